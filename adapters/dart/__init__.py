@@ -29,6 +29,12 @@ defaults: sleeping, and the detector FCL. In flight these defaults make no diffe
 from Python: the softness of contacts (constraint force mixing 1e-5, error reduction 0.01 of a penetration in a step, at most
 1 mm/s), and DART's removal of lateral and tilting velocities below 0.2 mm/s and 0.5 mrad/s that a contact caused.
 
+Bodies that touch a plane and each other in any other way are in the module `touching`, with the same detectors and solvers.
+Bricks lie on the large box, and round bodies alone on DART's plane. DART takes the smaller coefficient of friction of two
+bodies, and the product of their coefficients of restitution; the bodies have coefficients that give each pair its own. DART
+returns a part of the velocity that the bodies would have at the end of the step, so that an impact with a coefficient of 1 adds
+g h to the speed. Rebounds slower than 0.1 m/s are left out.
+
 Links are bodies on weld joints. The velocity of the free joint is the velocity of the origin of the first link's frame. If the
 centre of mass is elsewhere, a step therefore has an error of first order, even without forces.
 

@@ -1,14 +1,16 @@
-"""A body that lies on a plane in DART: shapes, collision detection, and the solver of the contacts."""
+"""Bodies that touch a plane in DART: shapes, collision detection, the solver of the contacts, and their law."""
 
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import dartpy as dart
 
 from bodycheck.adapters.contract import Kind, Method, Option, choice
+from bodycheck.adapters.dart.bodies import pose
 from bodycheck.adapters.touching import lying_shape
-from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Scene, Shape
 
 #: DART's detectors of collisions.
 DETECTORS: dict[str, Callable[[], "dart.collision.CollisionDetector"]] = {
@@ -24,20 +26,32 @@ CONES: dict[str, Callable[[], "dart.constraint.BoxedLcpSolver"]] = {
     "fbf": dart.constraint.FbfFrictionSolver,
 }
 
+#: The name of the skeleton of what does not move.
+GROUND = "ground"
+
 #: The kinds of scene that DART models, and those for which its own settings make a difference.
-MODELLED: tuple[Kind, ...] = ("flight", "drag", "plane", "mechanism")
-OWN_SETTINGS: frozenset[Kind] = frozenset({"plane", "mechanism"})
+MODELLED: tuple[Kind, ...] = ("flight", "drag", "plane", "contact", "mechanism")
+OWN_SETTINGS: frozenset[Kind] = frozenset({"plane", "contact", "mechanism"})
+
+#: The kinds of scene with contacts.
+TOUCHING: frozenset[Kind] = frozenset({"plane", "contact"})
 
 #: The options of a method.
 OPTIONS: dict[str, Option] = {
-    "solver": choice("pgs", *CONES, kinds=frozenset({"plane"})),
-    "detector": choice(*DETECTORS, kinds=frozenset({"plane"})),
+    "solver": choice("pgs", *CONES, kinds=TOUCHING),
+    "detector": choice(*DETECTORS, kinds=TOUCHING),
     "settings": choice("engine", kinds=OWN_SETTINGS),
 }
 
-#: Half the side and half the height (m) of the box on which the body lies. No body slides beyond the box. The results of
+#: Half the side and half the height (m) of the box on which bodies lie. No body slides beyond the box. The results of
 #: contacts on this box and on a box of 20 m agree to all printed digits.
 GROUND_HALF_SIDE_M, GROUND_HALF_HEIGHT_M = 1e5, 1.0
+
+#: The coefficients of friction and of restitution up to which DART has a contact without them.
+NO_FRICTION, NO_RESTITUTION = 1e-3, 1e-3
+
+#: The velocities (m/s) of the slowest and of the fastest rebound.
+SLOWEST_REBOUND, FASTEST_REBOUND = 0.1, 100.0
 
 
 def law(scene: Scene, method: Method) -> Plane | None:
@@ -55,22 +69,33 @@ def add(world: "dart.simulation.World", body: "dart.dynamics.BodyNode", scene: S
 
     Raises `SceneUnsupported` for a body that does not lie flat.
     """
-    shape = lying_shape(scene)
-    touching(body, solid(shape), plane)
-    add_ground(world, plane, method, bricks=isinstance(shape, Brick))
+    shape, restitution = lying_shape(scene), math.sqrt(plane.restitution)
+    touching(body, solid(shape), plane.friction, restitution)
+    add_box(world, plane, plane.friction, restitution)
+    solve(world, method, "bullet" if isinstance(shape, Brick) else "ode")
 
 
-def add_ground(world: "dart.simulation.World", plane: Plane, method: Method, *, bricks: bool) -> None:
-    """Add to a world the plane under bodies, which are bricks or cylinders, and the detector and solver of a method."""
-    ground = dart.dynamics.Skeleton("ground")
-    _, fixed = ground.createWeldJointAndBodyNodePair()
+def add_box(world: "dart.simulation.World", plane: Plane, friction: float, restitution: float) -> None:
+    """Add to a world a large box whose upper face is the plane, with the coefficients of its shape."""
     side, height = 2 * GROUND_HALF_SIDE_M, 2 * GROUND_HALF_HEIGHT_M
-    below = touching(fixed, dart.dynamics.BoxShape([side, side, height]), plane)
-    below.setRelativeTranslation([0.0, 0.0, -GROUND_HALF_HEIGHT_M])
-    world.addSkeleton(ground)
+    below = add_ground(world, dart.dynamics.BoxShape([side, side, height]), friction, restitution)
+    turn = (math.cos(plane.incline / 2), 0.0, math.sin(plane.incline / 2), 0.0)
+    below.setRelativeTransform(pose([-GROUND_HALF_HEIGHT_M * part for part in plane.normal], turn))
 
+
+def add_ground(world: "dart.simulation.World", shape: "dart.dynamics.Shape", friction: float, restitution: float) -> Any:
+    """Add to a world a shape that does not move, with its coefficients, and return its node."""
+    ground = dart.dynamics.Skeleton(GROUND)
+    _, fixed = ground.createWeldJointAndBodyNodePair()
+    node = touching(fixed, shape, friction, restitution)
+    world.addSkeleton(ground)
+    return node
+
+
+def solve(world: "dart.simulation.World", method: Method, detector: str) -> None:
+    """Choose the solver of contacts of a method in a world, and the detector unless the method chooses another."""
     solver, keeps_defaults = world.getConstraintSolver(), method.option("settings") == "engine"
-    name = method.option("detector") or ("fcl" if keeps_defaults else "bullet" if bricks else "ode")
+    name = method.option("detector") or ("fcl" if keeps_defaults else detector)
     solver.setCollisionDetector(DETECTORS[name]())
     solver_name = method.option("solver")
     if solver_name == "pgs":
@@ -85,23 +110,31 @@ def add_ground(world: "dart.simulation.World", plane: Plane, method: Method, *, 
     world.setDeactivationOptions(sleeping)
 
 
-def solid(shape: Brick | Cylinder) -> "dart.dynamics.Shape":
-    """Return DART's shape of a body that lies flat."""
-    if isinstance(shape, Cylinder):
-        return dart.dynamics.CylinderShape(shape.radius, 2 * shape.half_length)
-    return dart.dynamics.BoxShape([2 * half for half in shape.semi_axes])
+def solid(shape: Shape) -> "dart.dynamics.Shape":
+    """Return DART's shape of a body."""
+    match shape:
+        case Brick((a, b, c)):
+            return dart.dynamics.BoxShape([2 * a, 2 * b, 2 * c])
+        case Ellipsoid((a, b, c)):
+            return dart.dynamics.EllipsoidShape([2 * a, 2 * b, 2 * c])
+        case Cylinder(radius, half_length):
+            return dart.dynamics.CylinderShape(radius, 2 * half_length)
+        case _:
+            return dart.dynamics.SphereShape(shape.radius)
 
 
-def touching(body: "dart.dynamics.BodyNode", shape: "dart.dynamics.Shape", plane: Plane) -> "dart.dynamics.ShapeNode":
-    """Add a shape to a body, with the friction and the restitution of the plane, and return its node.
+def touching(
+    body: "dart.dynamics.BodyNode", shape: "dart.dynamics.Shape", friction: float, restitution: float
+) -> "dart.dynamics.ShapeNode":
+    """Add a shape with its coefficients of friction and of restitution to a body, and return its node.
 
     DART uses the smaller coefficient of friction of two shapes, and the product of their coefficients of restitution.
     """
     node = body.createShapeNode(shape)
     node.createCollisionAspect()
     dynamics = node.createDynamicsAspect()
-    dynamics.setFrictionCoeff(plane.friction)
-    dynamics.setRestitutionCoeff(math.sqrt(plane.restitution))
+    dynamics.setFrictionCoeff(friction)
+    dynamics.setRestitutionCoeff(restitution)
     return node
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import dartpy as dart
 import numpy as np
 
-from bodycheck.adapters.attitudes import quaternions, rotation_vector
 from bodycheck.adapters.contract import (
     Engine,
     EngineDiverged,
@@ -15,18 +14,16 @@ from bodycheck.adapters.contract import (
     SensingSimulation,
     Simulation,
     Usage,
-    states,
 )
-from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms, sensing
-from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
+from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms, sensing, touching
+from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, coordinates, inertia, place, pose, rows
 from bodycheck.adapters.dart.robots import read_robot as read_robot
 from bodycheck.adapters.dart.robots import step_robot as step_robot
-from bodycheck.adapters.links import Link, link_of, links_of
-from bodycheck.adapters.stepping import Loop, several
-from bodycheck.adapters.touching import half_lengths, plane_of, touching_bodies
-from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.adapters.links import Link, links_of
+from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Scene, State
+from bodycheck.reference.requirements import touches
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
@@ -41,16 +38,21 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(dart.__version__),
     integrators=(Integrator(INTEGRATOR, order=1, evaluations=1, options=contact.OPTIONS),),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
+    | mechanisms.MODELS
+    | touching.MODELS,
     variants={
-        "plane": tuple(f"{INTEGRATOR}:{options}" for options in ("solver=pgs", "solver=nsgs", "solver=fbf", "settings=engine"))
+        "plane": tuple(f"{INTEGRATOR}:{options}" for options in ("solver=pgs", "solver=nsgs", "solver=fbf", "settings=engine")),
+        "contact": tuple(f"{INTEGRATOR}:{options}" for options in ("solver=nsgs", "settings=engine")),
     },
     defaults={"timestep": f"{dart.simulation.World().getTimeStep():g} s"},
     roles={"default": WORLDS},
+    combines={"friction": "smaller of the two", "restitution": "product"},
     reads=("step", "forward"),
 )
 
-contact_law, lacking = contact.law, sensing.lacking
+contact_law, contact_terms, lacking = contact.law, touching.terms, sensing.lacking
+interface_loads = touching.interface_loads
 
 #: The functions of DART that steps call from Python.
 calls = (
@@ -73,6 +75,8 @@ class Model:
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if touches(scene):
+        return touching.prepare(scene, method)
     if isinstance(scene, Mechanism):
         simulation, _, _ = mechanisms.prepare(scene, method)
         return simulation
@@ -81,6 +85,9 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if touches(scene):
+        touched = touching.built(scene, method)
+        return SensingSimulation(touching.loop(touched), sensing.reader(touched.world, touched.bodies, sensors, method))
     if isinstance(scene, Mechanism):
         simulation, world, bodies = mechanisms.prepare(scene, method)
         return SensingSimulation(simulation, sensing.reader(world, bodies, sensors, method))
@@ -133,43 +140,6 @@ def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
     world.addSkeleton(skeleton)
     place(skeleton, initial)
     return Model(world, skeleton, body)
-
-
-def place(skeleton: "dart.dynamics.Skeleton", initial: State) -> None:
-    """Set the state of the body of a skeleton, which is on a free joint."""
-    attitude = np.array(initial.quaternion)
-    skeleton.setPositions(np.array([*rotation_vector(attitude), *initial.position]))
-    skeleton.setVelocities(np.array([*rotate(attitude, np.array(initial.angular_velocity)), *initial.velocity]))
-
-
-def prepare_boxes(scene: Mechanism, method: Method) -> Loop[None]:
-    """Return the simulation of free boxes that touch, as `Boxes.prepare_boxes` does."""
-    world, plane = dart.simulation.World(), plane_of(scene)
-    skeletons: list[dart.dynamics.Skeleton] = []
-    world.setGravity([0.0, 0.0, -scene.gravity])
-    world.setTimeStep(method.timestep)
-    for box in touching_bodies(scene):
-        skeleton = dart.dynamics.Skeleton(box.name)
-        _, body = skeleton.createFreeJointAndBodyNodePair()
-        body.setInertia(inertia(link_of(box.body)))
-        contact.touching(body, dart.dynamics.BoxShape([2 * half for half in half_lengths(box)]), plane)
-        world.addSkeleton(skeleton)
-        place(skeleton, box.start)
-        skeletons.append(skeleton)
-    contact.add_ground(world, plane, method, bricks=True)
-    return several(world.step, skeletons, coordinates, rows)
-
-
-def coordinates(skeleton: "dart.dynamics.Skeleton") -> Array:
-    """Return the coordinates and velocities (12,) of a skeleton with one free joint."""
-    return np.concatenate([skeleton.getPositions(), skeleton.getVelocities()])
-
-
-def rows(seen: Array) -> Array:
-    """Return the rows (n, 13) of states from DART's coordinates and velocities (n, 12)."""
-    turn, position, angular_velocity, velocity = np.split(seen, [3, 6, 9], axis=1)
-    quaternion = quaternions(turn)
-    return states(position, quaternion, velocity, rotate(conjugate(quaternion), angular_velocity))
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:

@@ -31,14 +31,14 @@ def lacking(scene: AnyScene, sensor: Sensor, method: Method) -> str | None:
     dynamic = sensor.type not in ("gyroscope", "velocimeter")
     if method.option("sensors") == "forward" and dynamic and constrained(scene, method):
         return "computes no forces of constraints (contacts, loops, stops, dry friction) in its forward dynamics"
-    if isinstance(scene, Mechanism) and sensor.type == "contact_force":
+    if isinstance(scene, Mechanism) and scene.plane is None and sensor.type == "contact_force":
         return "has no shapes of the bodies of mechanisms here"
     return None
 
 
 def constrained(scene: AnyScene, method: Method) -> bool:
     """Return whether DART has constraints in a scene."""
-    if not isinstance(scene, Mechanism):
+    if not isinstance(scene, Mechanism) or scene.plane is not None:
         return scene.plane is not None
     return bool(scene.loops) or any(joint.friction or stops_of(joint, method) is not None for joint in scene.joints)
 
@@ -46,13 +46,17 @@ def constrained(scene: AnyScene, method: Method) -> bool:
 def reader(
     world: "dart.simulation.World", bodies: Sequence[Any], sensors: Sequence[Sensor], method: Method
 ) -> Callable[[], tuple[Array, ...]]:
-    """Return the function that reads sensors on bodies of the skeleton in a world."""
-    skeleton, forward = bodies[0].getSkeleton(), method.option("sensors") == "forward"
+    """Return the function that reads sensors on bodies of the skeletons in a world."""
+    skeletons, forward = (
+        {body.getSkeleton().getName(): body.getSkeleton() for body in bodies},
+        method.option("sensors") == "forward",
+    )
     readers = [reading(world, bodies[sensor.body], sensor, number) for number, sensor in enumerate(sensors)]
 
     def read() -> tuple[Array, ...]:
         if forward:
-            skeleton.computeForwardDynamics()
+            for skeleton in skeletons.values():
+                skeleton.computeForwardDynamics()
         return tuple(np.array(each()) for each in readers)
 
     return read

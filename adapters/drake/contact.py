@@ -23,10 +23,10 @@ from pydrake.multibody.plant import CoulombFriction
 from bodycheck.adapters.contract import Kind, Method, Option, SceneUnsupported, choice
 from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.planar import describe_shape
-from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Scene, Shape
 
 #: Contact options have an effect only in scenes with a plane.
-ON_PLANE: frozenset[Kind] = frozenset({"plane"})
+ON_PLANE: frozenset[Kind] = frozenset({"plane", "contact"})
 
 #: The contact options; see the package's docstring.
 OPTIONS: dict[str, Option] = {
@@ -34,19 +34,19 @@ OPTIONS: dict[str, Option] = {
     "settings": choice("engine", kinds=ON_PLANE),
 }
 
-#: Length (m) of the edges of a hydroelastic mesh of a cylinder in radii.
+#: Length (m) of the edges of a hydroelastic mesh of a round body in radii, the smallest ones.
 EDGE_IN_RADII = 0.2
 
 
-def contact_of(method: Method) -> str:
-    """Return the model of contact with the plane: hydroelastic, points or engine.
+def contact_of(method: Method, usual: str = "hydroelastic") -> str:
+    """Return the model of contact with the plane: hydroelastic, points or engine, or the usual one without an option.
 
     Raises `SceneUnsupported` for a method that selects two of them.
     """
     chosen, settings = method.option("contact"), method.option("settings")
     if chosen and settings:
         raise SceneUnsupported(f"contact={chosen} together with settings={settings}, which choose the contact themselves")
-    return settings or chosen or "hydroelastic"
+    return settings or chosen or usual
 
 
 def add_contact(plant: Any, body: Any, scene: Scene, plane: Plane, contact: str) -> None:
@@ -67,25 +67,41 @@ def add_contact(plant: Any, body: Any, scene: Scene, plane: Plane, contact: str)
         If the body does not lie flat, or has no corners where it touches the plane by points.
     """
     shape = lying_shape(scene)
-    on_plane, on_body = _properties(plane), _properties(plane)
+    on_plane, on_body = properties(plane.friction), properties(plane.friction)
     if contact == "hydroelastic":
-        modulus = SceneGraphConfig().default_proximity_properties.hydroelastic_modulus
-        AddRigidHydroelasticProperties(on_plane)
-        AddCompliantHydroelasticProperties(_edge(shape), modulus, on_body)
+        rigid(on_plane)
+        compliant(on_body, shape)
     plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "plane", on_plane)
     for number, (geometry, pose) in enumerate(_geometries(shape, contact)):
         plant.RegisterCollisionGeometry(body, RigidTransform(pose), geometry, f"body {number}", on_body)
 
 
-def _properties(plane: Plane) -> Any:
-    properties = ProximityProperties()
-    AddContactMaterial(properties=properties, friction=CoulombFriction(plane.friction, plane.friction))
-    return properties
+def properties(friction: float, dissipation: float | None = None) -> Any:
+    """Return the properties of a geometry with a coefficient of friction, and with a dissipation (s/m) in place of Drake's."""
+    result = ProximityProperties()
+    AddContactMaterial(properties=result, friction=CoulombFriction(friction, friction), dissipation=dissipation)
+    return result
 
 
-def _edge(shape: Brick | Cylinder) -> float:
-    """Return the length (m) of the edges of a shape's mesh. The mesh of a brick does not depend on this length."""
-    return EDGE_IN_RADII * shape.radius if isinstance(shape, Cylinder) else 1.0
+def rigid(on_plane: Any) -> None:
+    """Make a geometry with these properties rigid in hydroelastic contact."""
+    AddRigidHydroelasticProperties(on_plane)
+
+
+def compliant(on_body: Any, shape: Shape) -> None:
+    """Make a geometry with these properties compliant in hydroelastic contact, with Drake's modulus.
+
+    The mesh of a brick does not depend on the length of its edges.
+    """
+    modulus = SceneGraphConfig().default_proximity_properties.hydroelastic_modulus
+    match shape:
+        case Brick():
+            edge = 1.0
+        case Ellipsoid(half):
+            edge = EDGE_IN_RADII * min(half)
+        case _:
+            edge = EDGE_IN_RADII * shape.radius
+    AddCompliantHydroelasticProperties(edge, modulus, on_body)
 
 
 def _geometries(shape: Brick | Cylinder, contact: str) -> list[tuple[Any, list[float]]]:

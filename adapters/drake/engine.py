@@ -22,7 +22,7 @@ from bodycheck.adapters.contract import (
     Usage,
     states,
 )
-from bodycheck.adapters.drake import INSTALLATION, mechanisms, sensing
+from bodycheck.adapters.drake import INSTALLATION, mechanisms, sensing, touching
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
 from bodycheck.adapters.drake.models import Model, build, controlled, stepper
 from bodycheck.adapters.drake.robots import read_robot as read_robot
@@ -31,6 +31,7 @@ from bodycheck.adapters.links import Link
 from bodycheck.adapters.stepping import Loop, Normalised, NormalisedControl
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -59,6 +60,10 @@ CLAIMS: dict[str, tuple[int, int | None]] = {
 #: steps are well below 0.5 ms, so these integrators are offered only in flight.
 EXPLICIT = {"explicit_euler", "semi_explicit_euler", "runge_kutta2", "runge_kutta3", "bogacki_shampine3", "runge_kutta5"}
 
+#: The implicit integrators of first order, which are not offered where bodies roll, bounce or touch each other: their steps
+#: cost as much as those of radau3, and impacts need its order.
+FIRST_ORDER = {"implicit_euler", "velocity_implicit_euler", "radau1"}
+
 #: The integrators that do not estimate the error of a step, and have no error control.
 WITHOUT_ESTIMATE = {"explicit_euler", "semi_explicit_euler", "runge_kutta2"}
 
@@ -81,7 +86,7 @@ def integrators() -> tuple[Integrator, ...]:
     return tuple(
         Integrator(
             *(name, order, count),
-            KINDS - ON_PLANE if name in EXPLICIT else KINDS,
+            KINDS - ON_PLANE if name in EXPLICIT else KINDS - {"contact"} if name in FIRST_ORDER else KINDS,
             OPTIONS if name in WITHOUT_ESTIMATE else OPTIONS | {"accuracy": ACCURACY},
         )
         for name, order, count in claims
@@ -101,15 +106,20 @@ def defaults() -> dict[str, str]:
 def roles() -> dict[Role, dict[Kind, Usage]]:
     """Return the method of Drake's configuration of a plant, which is also what Drake's documentation prefers."""
     config, plane = MultibodyPlantConfig(), f"{MultibodyPlantConfig().discrete_contact_approximation}:settings=engine"
-    methods = {kind: plane if kind == "plane" else config.discrete_contact_approximation for kind in KINDS - {"contact"}}
+    methods = {kind: plane if kind in ON_PLANE else config.discrete_contact_approximation for kind in KINDS}
     pages: dict[Role, str] = {
         "default": "https://drake.mit.edu/doxygen_cxx/structdrake_1_1multibody_1_1_multibody_plant_config.html",
         # "Currently, this is the preferred modality given its speed and robustness", of discrete plants.
         "recommended": "https://drake.mit.edu/doxygen_cxx/group__mbp__discrete.html",
     }
-    return {
+    usages = {
         role: {kind: Usage(method, config.time_step, page) for kind, method in methods.items()} for role, page in pages.items()
     }
+    # "We recommend switching to this model unless other requirements such as simulation speed are a constraint", of
+    # hydroelastic contact.
+    hydroelastic = "https://drake.mit.edu/doxygen_cxx/group__compliant__contact.html"
+    usages["recommended"]["contact"] = Usage(config.discrete_contact_approximation, config.time_step, hydroelastic)
+    return usages
 
 
 engine = Engine(
@@ -117,15 +127,21 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=metadata.version(INSTALLATION.distribution),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
-    variants={"plane": (*(f"{name}:contact=points" for name in APPROXIMATIONS), f"{DEFAULT}:settings=engine")},
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
+    | mechanisms.MODELS
+    | touching.MODELS,
+    variants={
+        "plane": (*(f"{name}:contact=points" for name in APPROXIMATIONS), f"{DEFAULT}:settings=engine"),
+        "contact": (f"{DEFAULT}:settings=engine",),
+    },
     defaults=defaults(),
     roles=roles(),
     largest_step=SimulatorConfig().max_step_size,
+    combines={"friction": "harmonic mean"},
     reads=("step", "forward"),
 )
 
-lacking = sensing.lacking
+contact_terms, lacking = touching.terms, sensing.lacking
 
 
 #: The functions of Drake that steps call from Python. The time of drag, which Drake calls in turn, counts as Drake's time.
@@ -158,9 +174,16 @@ def contact_load(scene: Scene, method: Method, steps: int) -> Array | None:
     return load
 
 
+def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:
+    """Return the normal forces between pairs that touch after each of n steps, as `InterfaceLoads.interface_loads` does."""
+    return touching.interface_loads(scene, method, APPROXIMATIONS, steps)
+
+
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if touches(scene):
+        return touching.prepare(scene, method, APPROXIMATIONS)
     if isinstance(scene, Mechanism):
         return mechanisms.prepare(scene, method, APPROXIMATIONS)
     return simulated(lambda: build(scene, method, APPROXIMATIONS), method)
@@ -192,6 +215,9 @@ def stepped(model: Model, method: Method) -> Normalised:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if touches(scene):
+        touched = touching.built(scene, method, APPROXIMATIONS)
+        return SensingSimulation(touching.stepped(touched, method), sensing.reader(touched.model, scene, sensors))
     if isinstance(scene, Mechanism):
         actuated = [each.joint for each in sensors if each.type == "joint_effort" and each.joint is not None]
         model, seen_states, joints = mechanisms.built(scene, method, APPROXIMATIONS, actuated)

@@ -34,7 +34,7 @@ Reading = Callable[[], Array]
 
 def lacking(scene: AnyScene, sensor: Sensor, method: Method) -> str | None:
     """Return why Drake does not read a sensor, as `Sensing.lacking` does."""
-    if sensor.type == "contact_force" and (isinstance(scene, Mechanism) or scene.plane is None):
+    if sensor.type == "contact_force" and scene.plane is None:
         return "has no contacts in the model of this scene"
     return None
 

@@ -1,0 +1,352 @@
+"""Step free bodies that touch a plane and each other in Drake, by Drake's compliant contacts.
+
+The plane is Drake's half space, turned about y. Without an option, bodies with faces (bricks and cylinders) touch by
+hydroelastic contact, which Drake's documentation recommends, and round bodies (spheres and ellipsoids) by point contact.
+`contact=hydroelastic` gives round bodies hydroelastic contact too, and `settings=engine` is Drake's default for all shapes,
+point contact. `contact=points` replaces a single brick by points at its eight corners, and leaves round bodies as they are.
+
+Drake takes the harmonic mean of two coefficients of friction. The coefficients of the bodies are chosen such that every pair
+has that of the scene. Friction is regularised: it grows with the slip, most of all up to Drake's stiction tolerance.
+
+Drake has no coefficient of restitution, but a dissipation of Hunt and Crossley, from which a coefficient follows that depends
+on the speed of the impact. A pair with a coefficient has the dissipation that returns it after the first fall; see
+`dissipation`. All other pairs have Drake's default, with which no rebound is faster than 2 cm/s. The approximation `sap`
+ignores this dissipation and has no restitution.
+
+A push is an external force on the plant, from the step on that is nearest to its instant; with error control steps end at its
+instants.
+"""
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.common.value import Value
+from pydrake.geometry import Box, Cylinder, Ellipsoid, HalfSpace, SceneGraphConfig, Sphere
+from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialForce, SpatialVelocity
+from pydrake.multibody.plant import AddMultibodyPlant, ExternallyAppliedSpatialForce, MultibodyPlantConfig
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+
+from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
+from bodycheck.adapters.drake.contact import compliant, contact_of, properties, rigid
+from bodycheck.adapters.drake.mechanisms import body_name, seer
+from bodycheck.adapters.drake.models import PLANT, Model, add_link, configured, controlled, integrated, stepping_to
+from bodycheck.adapters.links import link_of
+from bodycheck.adapters.mechanisms import in_body_axes
+from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.touching import (
+    TouchingBody,
+    coefficients,
+    differing,
+    plane_of,
+    shares,
+    switches,
+    touching_bodies,
+)
+from bodycheck.reference import scene as shapes
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.planar import describe_shape
+from bodycheck.reference.scene import Push, Shape
+from bodycheck.reference.trajectory import Array
+
+#: The requirements of touching bodies that Drake models, of which restitution is an approximation.
+MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
+
+#: The approximation that ignores the dissipation of Hunt and Crossley.
+WITHOUT_DISSIPATION = "sap"
+
+#: Drake's default dissipation (s/m).
+DISSIPATION = SceneGraphConfig().default_proximity_properties.hunt_crossley_dissipation
+
+#: The largest coefficient of friction of a body, and the least dissipation (s/m) of a pair with a coefficient of restitution.
+MOST_FRICTION, LEAST_DISSIPATION = 1e12, 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Touching:
+    """Bodies that touch in a model of Drake.
+
+    Parameters
+    ----------
+    model, bodies
+        The model at t = 0, and its bodies in their order.
+    seen
+        Returns a copy of the present poses and velocities (13 k,) of k bodies.
+    step_to
+        Steps to a time (s), and switches the pushes on the way; it may raise `EngineDiverged`.
+    """
+
+    model: Model
+    bodies: Sequence[Any]
+    seen: Callable[[], Array]
+    step_to: Callable[[float], None]
+
+
+def prepare(scene: AnyScene, method: Method, approximations: tuple[str, ...]) -> Simulation:
+    """Return the simulation of bodies that touch. Raises `SceneUnsupported`.
+
+    approximations: the names of the integrators that are approximations of contact of the discrete plant.
+    """
+    if method.accuracy is not None and not scene.pushes:
+
+        def with_state() -> tuple[Model, Callable[[], Array]]:
+            touched = built(scene, method, approximations)
+            return touched.model, touched.seen
+
+        return controlled(with_state, method, in_body_axes)
+    return stepped(built(scene, method, approximations), method)
+
+
+def stepped(touched: Touching, method: Method) -> Simulation:
+    """Return the simulation that steps one model, also to samples with error control."""
+    step_to, seen = touched.step_to, touched.seen
+    if method.accuracy is not None:
+
+        def at(time: float) -> Array:
+            step_to(time)
+            return seen()
+
+        simulation = controlled(lambda: (touched.model, seen), method, in_body_axes)
+        return replace(simulation, at=at, between=None)
+
+    def step(taken: int) -> int:
+        step_to((taken + 1) * method.timestep)
+        return taken + 1
+
+    return Loop(0, step, lambda _: seen(), in_body_axes)
+
+
+def built(scene: AnyScene, method: Method, approximations: tuple[str, ...]) -> Touching:
+    """Return the bodies of a scene in a model. Raises `SceneUnsupported`."""
+    builder, parts, plane = DiagramBuilder(), touching_bodies(scene), plane_of(scene)
+    plant, _ = AddMultibodyPlant(configured(method, approximations), builder)
+    plant.set_name(PLANT)
+    names = [body_name(number) for number in range(len(parts))] if isinstance(scene, Mechanism) else ["body"]
+    bodies = [add_link(plant, name, link_of(part.body)) for name, part in zip(names, parts, strict=True)]
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -scene.gravity])
+    contact, (frictions, dissipations) = contact_of(method, ""), of_bodies(scene, parts)
+    on_plane = properties(frictions[WORLD], dissipations[WORLD])
+    rigid(on_plane)
+    turn = RigidTransform(Quaternion(math.cos(plane.incline / 2), 0.0, math.sin(plane.incline / 2), 0.0), np.zeros(3))
+    plant.RegisterCollisionGeometry(plant.world_body(), turn, HalfSpace(), "plane", on_plane)
+    for number, (body, part) in enumerate(zip(bodies, parts, strict=True)):
+        on_body = properties(frictions[number], dissipations[number])
+        if contact == "hydroelastic" or (not contact and isinstance(part.shape, shapes.Brick | shapes.Cylinder)):
+            compliant(on_body, part.shape)
+        for label, (geometry, position) in enumerate(geometries(part.shape, contact, alone=len(parts) == 1)):
+            plant.RegisterCollisionGeometry(body, RigidTransform(position), geometry, f"{names[number]} {label}", on_body)
+    plant.Finalize()
+    simulator = Simulator(builder.Build())
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    for body, part in zip(bodies, parts, strict=True):
+        turned = np.array(part.start.quaternion)
+        spin = rotate(turned, np.array(part.start.angular_velocity))
+        plant.SetFreeBodyPose(context, body, RigidTransform(Quaternion(turned), part.start.position))
+        plant.SetFreeBodySpatialVelocity(context, body, SpatialVelocity(spin, np.array(part.start.velocity)))
+    model = Model(simulator, plant, context)
+    step_to = pushed(model, bodies, instants(scene.pushes, method))
+    integrated(simulator, method, continuous=method.integrator not in approximations)
+    return Touching(model, bodies, seer(model, bodies), step_to)
+
+
+def geometries(shape: Shape, contact: str, *, alone: bool) -> list[tuple[Any, list[float]]]:
+    """Return the geometries of a body, each with the position (m) of its centre in the body's frame.
+
+    alone: whether the body is the only one. Raises `SceneUnsupported`.
+    """
+    centre = [0.0, 0.0, 0.0]
+    match shape:
+        case shapes.Brick((a, b, c)) if contact == "points":
+            if not alone:
+                raise SceneUnsupported("contact=points has points at corners, which do not touch the points of other bricks")
+            return [(Sphere(0.0), [x, y, z]) for x in (-a, a) for y in (-b, b) for z in (-c, c)]
+        case shapes.Brick((a, b, c)):
+            return [(Box(2 * a, 2 * b, 2 * c), centre)]
+        case shapes.Cylinder(radius, half_length):
+            if contact == "points":
+                raise SceneUnsupported(f"contact=points has points at corners, which {describe_shape(shape)} does not have")
+            return [(Cylinder(radius, 2 * half_length), centre)]
+        case shapes.Ellipsoid((a, b, c)):
+            return [(Ellipsoid(a, b, c), centre)]
+        case _:
+            return [(Sphere(shape.radius), centre)]
+
+
+def instants(pushes: Sequence[Push], method: Method) -> dict[float, tuple[Push, ...]]:
+    """Return the pushes that act from each instant (s) on at which a push begins or ends, in ascending order."""
+    if method.accuracy is None:
+        return {step * method.timestep: acting for step, acting in switches(pushes, method.timestep).items()}
+    edges = {0.0, *(edge for push in pushes for edge in (push.start, push.end) if math.isfinite(edge))}
+    return {edge: tuple(push for push in pushes if push.start <= edge < push.end) for edge in sorted(edges)}
+
+
+def pushed(model: Model, bodies: Sequence[Any], by_instant: Mapping[float, tuple[Push, ...]]) -> Callable[[float], None]:
+    """Return a function that steps a model to a time (s), and switches pushes at their instants (s)."""
+    step_to, port = stepping_to(model), model.plant.get_applied_spatial_force_input_port()
+    waiting = list(by_instant)
+
+    def exert(pushes: Sequence[Push]) -> None:
+        forces = []
+        for push in pushes:
+            force = ExternallyAppliedSpatialForce()
+            force.body_index, force.p_BoBq_B = bodies[push.body].index(), np.array(push.point)
+            force.F_Bq_W = SpatialForce(tau=np.zeros(3), f=np.array(push.force))
+            forces.append(force)
+        port.FixValue(model.context, Value[list[ExternallyAppliedSpatialForce]](forces))
+
+    def pushed_to(time: float) -> None:
+        while waiting and waiting[0] < time:
+            instant = waiting.pop(0)
+            step_to(instant)
+            exert(by_instant[instant])
+        step_to(time)
+
+    if any(by_instant.values()):
+        exert(by_instant[waiting.pop(0)])
+    else:
+        waiting.clear()
+    return pushed_to
+
+
+def interface_loads(
+    scene: AnyScene, method: Method, approximations: tuple[str, ...], steps: int
+) -> dict[tuple[int, int], Array]:
+    """Return the normal forces between pairs that touch after each of n steps, as `InterfaceLoads.interface_loads` does."""
+    touched, by_pair = built(scene, method, approximations), dict[tuple[int, int], Array]()
+    for step in range(steps):
+        touched.step_to((step + 1) * method.timestep)
+        for pair, load in pressed(touched):
+            by_pair.setdefault(pair, np.zeros(steps))[step] += load
+    return by_pair
+
+
+def pressed(touched: Touching) -> Iterator[tuple[tuple[int, int], float]]:
+    """Yield the pair of each present contact, and its normal force (N)."""
+    plant, context = touched.model.plant, touched.model.context
+    indices = {body.index(): index for index, body in enumerate(touched.bodies)} | {plant.world_body().index(): WORLD}
+    results = plant.get_contact_results_output_port().Eval(context)
+
+    def pair(one: Any, other: Any) -> tuple[int, int]:
+        first, second = sorted((indices[one], indices[other]))
+        return first, second
+
+    for number in range(results.num_point_pair_contacts()):
+        contact = results.point_pair_contact_info(number)
+        load = abs(contact.contact_force() @ contact.point_pair().nhat_BA_W)
+        yield pair(contact.bodyA_index(), contact.bodyB_index()), load
+    inspector = plant.get_geometry_query_input_port().Eval(context).inspector()
+    for number in range(results.num_hydroelastic_contacts()):
+        contact = results.hydroelastic_contact_info(number)
+        surface = contact.contact_surface()
+        frames = (inspector.GetFrameId(geometry) for geometry in (surface.id_M(), surface.id_N()))
+        one, other = (plant.GetBodyFromFrameId(frame).index() for frame in frames)
+        faces = range(surface.num_faces())
+        normal = sum(surface.area(face) * surface.face_normal(face) for face in faces) / surface.total_area()
+        yield pair(one, other), abs(contact.F_Ac_W().translational() @ normal)
+
+
+def terms(scene: AnyScene, method: Method) -> str:
+    """Return the contact law that Drake has in the place of a scene's, as `ContactTerms.contact_terms` does."""
+    if scene.plane is None:
+        return ""
+    pairs, parts = coefficients(scene), touching_bodies(scene)
+    phrases = []
+    if pairs.friction.any():
+        tolerance = f", with a stiction tolerance of {MultibodyPlantConfig().stiction_tolerance:g} m/s"
+        phrases.append(f"friction that grows with the slip{tolerance if method.integrator != WITHOUT_DISSIPATION else ''}")
+    if pairs.restitution.any() and method.integrator == WITHOUT_DISSIPATION:
+        phrases.append("no restitution, since sap ignores the dissipation of Hunt and Crossley")
+    elif pairs.restitution.any():
+        wanted, speeds = dissipation_of_pairs(pairs.restitution, parts, scene)
+        for one, other in itertools.combinations(range(len(pairs.names)), 2):
+            if pairs.restitution[one, other] and pairs.stated[one, other]:
+                between = f" between {pairs.names[one]} and {pairs.names[other]}" if len(parts) > 1 else ""
+                phrases.append(
+                    f"dissipation {wanted[one, other]:.3g} s/m of Hunt and Crossley for the restitution "
+                    f"{pairs.restitution[one, other]:g} at {speeds[one, other]:.3g} m/s{between}"
+                )
+    frictions, _ = of_bodies(scene, parts)
+    sums = np.add.outer(frictions, frictions)
+    given = 2 * np.multiply.outer(frictions, frictions) / np.where(sums, sums, 1.0)
+    return "; ".join(phrases + differing("friction", given, pairs.friction, pairs.names))
+
+
+def of_bodies(scene: AnyScene, parts: Sequence[TouchingBody]) -> tuple[Array, Array]:
+    """Return the coefficients of friction, and the dissipations (s/m), (n,) of bodies; the plane is the last.
+
+    Drake takes the harmonic mean of two coefficients of friction, and of two dissipations of bodies that are equally stiff the
+    mean.
+    """
+    pairs = coefficients(scene)
+    frictions = shares(pairs.friction, pairs.stated, np.reciprocal, lambda x: 1 / np.maximum(x, 1 / MOST_FRICTION))
+    wanted, _ = dissipation_of_pairs(pairs.restitution, parts, scene)
+    return frictions, np.maximum(shares(wanted, pairs.stated, np.asarray, np.asarray), 0.0)
+
+
+def dissipation_of_pairs(restitution: Array, parts: Sequence[TouchingBody], scene: AnyScene) -> tuple[Array, Array]:
+    """Return the dissipations (n, n), in s/m, of pairs with coefficients of restitution (n, n), and the speeds of impacts.
+
+    The speed (m/s) of an impact on the plane is that of the centre of mass after its first fall. The speed of two bodies is
+    their relative speed at the start, or else that of the faster fall.
+    """
+    falls = np.array([*(fall(part, scene) for part in parts), 0.0])
+    velocities = np.array([*(part.start.velocity for part in parts), (0.0, 0.0, 0.0)])
+    relative = np.linalg.norm(velocities[:, None] - velocities, axis=2)
+    relative[WORLD] = relative[:, WORLD] = 0.0
+    speeds = np.where(relative, relative, np.maximum.outer(falls, falls))
+    wanted = np.full(restitution.shape, DISSIPATION)
+    for pair in zip(*np.nonzero((restitution > 0) & (speeds > 0)), strict=True):
+        wanted[pair] = dissipation(float(restitution[pair]), float(speeds[pair]))
+    return wanted, speeds
+
+
+def fall(part: TouchingBody, scene: AnyScene) -> float:
+    """Return the speed (m/s) along the normal with which a body first reaches the plane; zero for one that lies on it."""
+    normal = np.array(plane_of(scene).normal)
+    state = part.start
+    along = rotate(np.array([1.0, -1.0, -1.0, -1.0]) * np.array(state.quaternion), normal)
+    height = float(normal @ state.position) - extent(part.shape, along)
+    squared = float(normal @ state.velocity) ** 2 + 2 * scene.gravity * float(normal[2]) * height
+    # A body that lies on the plane is above it by rounding.
+    return math.sqrt(squared) if height > 1e-9 and squared > 0 else 0.0
+
+
+def extent(shape: Shape, direction: Array) -> float:
+    """Return how far a body extends (m) from its centre along a direction in its frame."""
+    match shape:
+        case shapes.Brick(half):
+            return float(np.abs(direction) @ half)
+        case shapes.Ellipsoid(half):
+            return float(np.linalg.norm(direction * half))
+        case shapes.Cylinder(radius, half_length):
+            return float(radius * np.hypot(direction[0], direction[1]) + half_length * abs(direction[2]))
+        case _:
+            return shape.radius
+
+
+def dissipation(restitution: float, speed: float) -> float:
+    """Return the dissipation d (s/m) with which a point that hits a plane at a speed (m/s) has a coefficient of restitution.
+
+    The force is k x (1 + d x') while it pushes, for the penetration x. Multiplied by the velocity and divided by 1 + d x' it
+    is integrated: u - ln(1 + u) is the same before and after the impact, for u = d x'. The result does not depend on k, on the
+    mass, or on a power of x in the place of x.
+    """
+    from scipy.optimize import brentq  # takes longer to import than the rest of this adapter without Drake
+
+    if restitution == 1:
+        return LEAST_DISSIPATION
+
+    def gap(u: float) -> float:
+        return u - math.log1p(u) + restitution * u + math.log1p(-restitution * u)
+
+    largest = (1 - 1e-15) / restitution
+    if gap(largest) > 0:  # the rebound has its bound 1/d except for rounding
+        return largest / speed
+    return float(brentq(gap, 1e-3 * (1 - restitution), largest, xtol=1e-15)) / speed
