@@ -10,8 +10,8 @@ exerts this largest impulse against the slip.
 from dataclasses import dataclass, replace
 
 from bodycheck.reference.contact.spheres.ball import Ball, Law, Moving, never_slips, size
-from bodycheck.reference.exact.numbers import MP, Real, Vector3
-from bodycheck.reference.exact.rotations import cross, dot, minus, plus, scaled
+from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Real, Vector3
+from bodycheck.reference.exact.rotations import ORIGIN, cross, dot, minus, plus, scaled
 
 #: The normal of the plane.
 UP: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(1))
@@ -61,10 +61,10 @@ def _impulse(velocity: Vector3, normal: Vector3, inertia: Real, inertia_across: 
     closing = dot(velocity, normal)
     along = (1 + law.restitution) * inertia * closing
     across = minus(velocity, scaled(closing, normal))
-    speed = size(across)
+    speed = size(across) if size(across) > NEGLIGIBLE * size(velocity) else MP.zero
     needed = inertia_across * speed
     exerted = needed if never_slips(law) else min(needed, law.friction * along)
-    friction = scaled(-exerted / speed, across) if speed else across
+    friction = scaled(-exerted / speed, across) if speed else ORIGIN
     return Impulse(plus(scaled(-along, normal), friction), needed / along)
 
 

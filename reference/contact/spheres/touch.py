@@ -6,6 +6,7 @@ root is found between the roots of its derivative, which are found in the same w
 
 from collections.abc import Sequence
 
+from bodycheck.reference.contact.spheres.ball import size
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import DIGITS, MP, NEGLIGIBLE, Real, Vector3
 from bodycheck.reference.exact.rotations import dot
@@ -33,12 +34,13 @@ def next_touch(apart: Vector3, velocity: Vector3, acceleration: Vector3, reach: 
     NotModelled
         If spheres that touch are pressed against each other by their accelerations.
     """
-    gap = MP.zero if touching else dot(apart, apart) - reach * reach
     closing = dot(apart, velocity)
     if not any(acceleration):
-        return _straight(gap, closing, dot(velocity, velocity))
+        return MP.inf if touching else _straight(dot(apart, apart) - reach * reach, closing, dot(velocity, velocity))
+    if size(apart) - reach > until * (size(velocity) + until / 2 * size(acceleration)):
+        return MP.inf  # too far apart
     powers = [
-        gap,
+        MP.zero if touching else dot(apart, apart) - reach * reach,
         2 * closing,
         dot(velocity, velocity) + dot(apart, acceleration),
         dot(velocity, acceleration),

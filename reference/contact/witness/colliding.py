@@ -150,7 +150,8 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
     fastest = [np.sqrt((each.spin * each.spin).sum(axis=1)).astype(float) for each in states]
     errors = {name: np.maximum(*(each.errors[name] for each in states)) for name in STATES}
     errors["error"] = errors["error"] + pieces.ROUNDINGS
-    errors["angular_velocity_error"] = errors["angular_velocity_error"] + np.maximum(*fastest) * errors["error"]
+    unseen = float(ROUNDED * max(norm(one.moving.velocity) / one.round.radius for one in pair))
+    errors["angular_velocity_error"] = errors["angular_velocity_error"] + np.maximum(*fastest) * errors["error"] + unseen
     return Witness(
         NAME,
         np.stack(attitudes),
@@ -215,7 +216,7 @@ def _follow(
             raise NotModelled("a sphere that slips on a plane on which nothing slips")
         left = end - pair[0].moving.time
         ends = [one.lasts for one in pair]
-        hit = _meeting(pair, touching)
+        hit = _meeting(pair, touching, min(*ends, left))
         until = min(*ends, hit, left)
         stays = touching and not any((*_parting(pair), *minus(pair[1].acceleration, pair[0].acceleration)))
         pair = [one.moved(until, part) for one, part in zip(pair, parts, strict=True)]
@@ -238,8 +239,8 @@ def _closing(pair: Sequence[One]) -> Real:
     return -dot(minus(pair[1].moving.position, pair[0].moving.position), _parting(pair))
 
 
-def _meeting(pair: Sequence[One], touching: bool) -> Real:
-    """The time (s) until two spheres meet; infinity if they never do. touching: whether they touch now."""
+def _meeting(pair: Sequence[One], touching: bool, until: Real) -> Real:
+    """The time (s) until two spheres meet; infinity if they do not until `until` (s). touching: whether they touch now."""
     apart, parting = minus(pair[1].moving.position, pair[0].moving.position), _parting(pair)
     pull = minus(pair[1].acceleration, pair[0].acceleration)
     reach = sum(one.round.radius for one in pair)
@@ -250,6 +251,9 @@ def _meeting(pair: Sequence[One], touching: bool) -> Real:
         nearest = norm(cross(apart, parting)) / speed
         inside = (reach - nearest) * (reach + nearest)
         return (-dot(apart, parting) / speed - MP.sqrt(inside)) / speed if inside > 0 else MP.inf
+    farthest = max(norm(plus(one.moving.velocity, scaled(one.acceleration, part))) for one in pair for part in (0, until))
+    if norm(apart) > reach + 2 * farthest * until:  # each goes at most this far
+        return MP.inf
     powers = [
         dot(pull, pull) / 4,
         dot(pull, parting),
