@@ -217,7 +217,9 @@ class Comparison:
         """The impacts of the truth on the plane, by body, measured as those of the run."""
         return self._impacts([exact for _, exact in self.motions], self.exact_meetings)
 
-    def _impacts(self, moved: Sequence[Trajectory], pairs: Mapping[Pair, tuple[Meeting, ...]]) -> tuple[tuple[Impact, ...], ...]:
+    def _impacts(
+        self, moved: Sequence[Trajectory], pairs: Mapping[Pair, tuple[Meeting, ...]]
+    ) -> tuple[tuple[Impact, ...], ...]:
         """Return the impacts of bodies on the plane, by body, without those of two bodies on each other."""
         if isinstance(self.scene, Scenes):
             return ()
@@ -225,7 +227,9 @@ class Comparison:
         for index, body in enumerate(self.touching):
             met = [hit for pair, hits in pairs.items() if index in pair for hit in hits]
             hits = impacts(body, moved[index], scene.gravity, pushes_on(scene, index))
-            by_body.append(tuple(hit for hit in hits if not any(hit.start < other.end and other.start < hit.end for other in met)))
+            by_body.append(
+                tuple(hit for hit in hits if not any(hit.start < other.end and other.start < hit.end for other in met))
+            )
         return tuple(by_body)
 
     @cached_property

@@ -33,7 +33,9 @@ ROUNDINGS = 32 * float(np.finfo(Wide).eps)
 
 #: The equations that are solved, and why they are exact.
 MODEL = "closed form: flight, slip, roll and impacts of two spheres"
-REASON = "two free spheres that touch each other and a level plane at single points, under Coulomb's and Newton's laws of impact"
+REASON = (
+    "two free spheres that touch each other and a level plane at single points, under Coulomb's and Newton's laws of impact"
+)
 
 
 @dataclass(frozen=True, eq=False)

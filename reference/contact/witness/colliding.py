@@ -173,7 +173,9 @@ def _along_body(spin: Array, attitude: Array) -> Array:
 
 def _radius(body: FreeBody) -> float | None:
     match body.shape:
-        case Sphere(radius) | Ellipsoid((radius, _, _)) if isinstance(body.shape, Sphere) or len(set(body.shape.semi_axes)) == 1:
+        case Sphere(radius) | Ellipsoid((radius, _, _)) if (
+            isinstance(body.shape, Sphere) or len(set(body.shape.semi_axes)) == 1
+        ):
             return radius
     return None
 
