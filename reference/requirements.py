@@ -199,8 +199,8 @@ def lies_flat(scene: Scene) -> bool:
 def touches(scene: AnyScene) -> bool:
     """Return whether the motion is computed by `contact`.
 
-    `contact` computes mechanisms with a plane or with pairs that touch, and a single body on a plane without drag, except a body that lies flat on a level
-    plane with finite friction and without pushes.
+    `contact` computes mechanisms with a plane or with pairs that touch, and a single body on a plane without drag, except a
+    body that lies flat on a level plane with finite friction and without pushes.
     """
     if isinstance(scene, Mechanism):
         return scene.plane is not None or bool(scene.contacts)

@@ -210,26 +210,23 @@ class Comparison:
     @cached_property
     def impacts(self) -> tuple[tuple[Impact, ...], ...]:
         """The impacts of the run on the plane, by body."""
-        return self._impacts([run for run, _ in self.motions], self.meetings)
+        return self._on_plane([run for run, _ in self.motions], self.meetings)
 
     @cached_property
     def exact_impacts(self) -> tuple[tuple[Impact, ...], ...]:
         """The impacts of the truth on the plane, by body, measured as those of the run."""
-        return self._impacts([exact for _, exact in self.motions], self.exact_meetings)
+        return self._on_plane([exact for _, exact in self.motions], self.exact_meetings)
 
-    def _impacts(
-        self, moved: Sequence[Trajectory], pairs: Mapping[Pair, tuple[Meeting, ...]]
-    ) -> tuple[tuple[Impact, ...], ...]:
+    def _on_plane(self, moved: Sequence[Trajectory], met: Mapping[Pair, tuple[Meeting, ...]]) -> tuple[tuple[Impact, ...], ...]:
         """Return the impacts of bodies on the plane, by body, without those of two bodies on each other."""
         if isinstance(self.scene, Scenes):
             return ()
         scene, by_body = self.scene, []
         for index, body in enumerate(self.touching):
-            met = [hit for pair, hits in pairs.items() if index in pair for hit in hits]
+            others = [hit for pair, hits in met.items() if index in pair for hit in hits]
             hits = impacts(body, moved[index], scene.gravity, pushes_on(scene, index))
-            by_body.append(
-                tuple(hit for hit in hits if not any(hit.start < other.end and other.start < hit.end for other in met))
-            )
+            alone = (hit for hit in hits if not any(hit.start < each.end and each.start < hit.end for each in others))
+            by_body.append(tuple(alone))
         return tuple(by_body)
 
     @cached_property

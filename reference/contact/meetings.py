@@ -2,10 +2,10 @@
 
 The formulas are the same for the truth and for every engine.
 
-Between impacts, the velocity of two free bodies relative to each other changes only by the friction of a plane, and by the plane
-itself where one of them bounces. The samples between which it changes by more, while the bodies are near each other, are a
-contact. Its instant is the one at which the straight lines on which the centres move relative to each other before and after are
-nearest to each other. For rigid bodies in space it is exact except for rounding.
+Between impacts, the velocity of two free bodies relative to each other changes only by a plane. The samples between which it
+changes by more, while the bodies are near each other, are a contact. Its instant is the one at which the straight lines on
+which the centres move relative to each other, before and after, are nearest to each other. For rigid bodies in space it is
+exact except for rounding.
 """
 
 from collections.abc import Sequence

@@ -5,6 +5,7 @@ the points that touch. What each does on the plane is in `balls`. The next touch
 distance is smallest.
 """
 
+import itertools
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -177,7 +178,7 @@ def _meeting(spheres: Sequence[Sphere], phases: Sequence[Phase], until: Decimal,
 
     edges = [until * number / PARTS for number in range(PARTS + 1)]
     edges[0] = until * Decimal("1e-20") if touching else ZERO
-    for low, high in zip(edges, edges[1:], strict=False):
+    for low, high in itertools.pairwise(edges):
         nearest = high
         if closing(low) < 0 < closing(high):
             nearest = _changed(low, high, lambda time: closing(time) < 0)

@@ -2,9 +2,9 @@
 
 With the unit vector n from the first sphere to the second, the point of contact of the first has, relative to that of the
 second, the velocity u = v1 - v2 + (r1 w1 + r2 w2) x n. An impulse along n changes only the velocities of the centres. An
-impulse J across n changes u by J (b1 + b2), with b = 1/m + r^2/I: it is along J, so that the slip keeps its direction during the
-impact. By Coulomb's law, friction ends the slip if this needs at most the friction times the impulse along n; otherwise it
-exerts this largest impulse against the slip.
+impulse J across n changes u by J (b1 + b2), with b = 1/m + r^2/I, so that the slip keeps its direction during the impact. By
+Coulomb's law, friction ends the slip if this needs at most the friction times the impulse along n; otherwise it exerts this
+largest impulse against the slip.
 """
 
 from dataclasses import dataclass, replace

@@ -19,8 +19,8 @@ from bodycheck.reference.mechanisms.mechanism import WORLD
 #: The largest number of events; these take some seconds.
 MAX_EVENTS = 4000
 
-#: The speed after an impact on the plane, relative to that of a fall by half the radius, below which a sphere no longer bounces:
-#: the bounces that are left out take less time than the rounding of an instant.
+#: The speed after an impact on the plane, relative to that of a fall by half the radius, below which a sphere no longer
+#: bounces. The bounces that are left out take less time than the rounding of an instant.
 LAST_IMPACT = MP.mpf(10) ** -30
 
 #: The ratio of a speed to the speeds at the start below which a sphere is at rest, because of the decimals in the file.

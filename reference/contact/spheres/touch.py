@@ -4,6 +4,7 @@ The square of the distance is a polynomial of the fourth degree in time, of the 
 root is found between the roots of its derivative, which are found in the same way.
 """
 
+import itertools
 from collections.abc import Sequence
 
 from bodycheck.reference.contact.spheres.ball import size
@@ -56,7 +57,7 @@ def next_touch(apart: Vector3, velocity: Vector3, acceleration: Vector3, reach: 
 
 
 def _straight(gap: Real, closing: Real, square: Real) -> Real:
-    """The time (s) until gap + 2 closing t + square t^2 vanishes for the first time; infinity if it never does, or touches 0."""
+    """The time (s) until gap + 2 closing t + square t^2 becomes negative; infinity if it never does."""
     under = closing * closing - square * gap
     if closing >= 0 or under <= 0:
         return MP.inf
@@ -70,7 +71,7 @@ def _roots(powers: Sequence[Real], until: Real) -> list[Real]:
     derivative = [order * power for order, power in enumerate(powers)][1:]
     edges = [MP.zero, *_roots(derivative, until), until]
     roots = []
-    for low, high in zip(edges, edges[1:], strict=False):
+    for low, high in itertools.pairwise(edges):
         before, after = _value(powers, low), _value(powers, high)
         if before * after < 0:
             roots.append(_bisected(powers, low, high, before))

@@ -31,7 +31,7 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.independent.arithmetic import Real, Vector, cross, dot, minus, norm, plus, scaled
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.independent.directions import exact_quaternion
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Ellipsoid, Sphere
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import Instant, Witness
