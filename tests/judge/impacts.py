@@ -44,6 +44,9 @@ PARTS = 48
 #: Events after which a motion is given up.
 EVENTS = 3000
 
+#: The difference of two times (s) that is rounding.
+SAME = Decimal("1e-44")
+
 #: Halvings of an interval, after which it is smaller than the last digit.
 HALVINGS = 180
 
@@ -107,7 +110,7 @@ def motions(text: str, instants: Sequence[Decimal]) -> tuple[Motion, Motion]:
             spheres = _struck(spheres, friction, restitution, now, found)
             continue
         for index, phase in enumerate(phases):
-            if phase.length == until:
+            if phase.length is not None and phase.length - until <= SAME:
                 spheres[index] = _landed(spheres[index], now, found[index])
     raise ValueError("too many events")
 

@@ -88,7 +88,7 @@ def motion(scene: Mechanism, times: Array) -> ContactMotion | None:
         np.stack([each.quaternion for each in states]),
         np.stack([each.spin for each in states]),
         dict(zip(STATES, bounds, strict=True)),
-        tuple(_event(change) for change in whole.changes),
+        tuple(_event(change) for change in whole.changes if not _from_decimals(change, whole, balls[change.body])),
         MODEL,
         REASON,
         friction=_friction(whole, pair),
@@ -156,6 +156,14 @@ def _angle(phase: Phase, lasting: WideArray) -> WideArray:
     """A bound of the angle (rad) by which a sphere turns within times (n,), s, from the start of a phase."""
     fast, faster = (np.sqrt((each * each).sum()) for each in map(_wide, (phase.start.spin, phase.spin_rate)))
     return np.asarray(lasting * (fast + lasting / 2 * faster))
+
+
+def _from_decimals(change: Change, whole: Course, one: Ball) -> bool:
+    """Return whether an event is the end of a slip that a sphere that rolls at the start has only by the decimals in the file."""
+    start = whole.phases[change.body][0].start
+    first = next(each for each in whole.changes if each.body == change.body)
+    slipping, speed = size(slip(one, start)), size(start.velocity) + one.radius * size(start.spin)
+    return change is first and start.borne and change.moving.rolls and slipping <= NONE * speed
 
 
 def _event(change: Change) -> Event:

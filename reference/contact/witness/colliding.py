@@ -60,6 +60,8 @@ class One:
         Its state.
     over_plane, borne
         Whether there is a plane, and whether the sphere stays on it.
+    rounded
+        Whether it slips on the plane only because of the decimals in the file.
     """
 
     round: Round
@@ -67,6 +69,7 @@ class One:
     moving: Moving
     over_plane: bool
     borne: bool
+    rounded: bool
 
     @property
     def moment(self) -> Real:
@@ -107,7 +110,12 @@ class One:
         return replace(self, moving=later(start, self.acceleration, NONE, lasting))
 
     def landed(self, events: list[Instant], body: int) -> "One":
-        """Append the events of the sphere when it lands or ceases to slip, and return it just after."""
+        """Append the events of the sphere when it lands or ceases to slip, and return it just after.
+
+        A slip that only the decimals of the file leave is no event.
+        """
+        if self.rounded:
+            return replace(self, moving=replace(self.moving, held=True), rounded=False)
         if self.borne:
             return self._on_plane(replace(self.moving, held=True), events, body)
         pressing = -(1 + self.round.surface.restitution) * self.moving.velocity[2]
@@ -195,7 +203,9 @@ def _one(scene: AnyScene, index: int, body: FreeBody) -> One:
     if over_plane and height < 0:
         raise NotModelled("a sphere that begins within the plane")
     borne = over_plane and not height and not body.velocity[2]
-    return One(laws, body.mass, replace(moving, held=borne and not norm(slip(laws, moving))), over_plane, borne)
+    slipping = norm(slip(laws, moving))
+    rounded = borne and 0 < slipping <= DECIMALS * (norm(moving.velocity) + radius * norm(spin))
+    return One(laws, body.mass, replace(moving, held=borne and not slipping), over_plane, borne, rounded)
 
 
 def _event(kind: str, time: Real, body: int) -> Instant:
@@ -315,7 +325,7 @@ def _collided(pair: Sequence[One], law: tuple[Real, Real], events: list[Instant]
             moving = replace(moving, velocity=(*velocity[:2], MP.mpf(0)), held=not slips)
             if moving.held != one.moving.held:
                 events.append(_event("roll" if moving.held else "slip", moving.time, index))
-        struck_pair.append(replace(one, moving=moving))
+        struck_pair.append(replace(one, moving=moving, rounded=False))
     return struck_pair
 
 
