@@ -42,8 +42,9 @@ def surroundings_faults(document: Mapping[str, Any], names: Sequence[str]) -> It
 
 def _of_contact(contact: Mapping[str, Any], names: Sequence[str], *, on_plane: bool) -> Iterator[tuple[Path, str]]:
     if not on_plane and len(names) < 2:
-        yield (), "a single body touches nothing without a plane; give [scene.plane]"
-    elif not on_plane:
+        yield (), "nothing touches without a plane; give [scene.plane]"
+        return
+    if not on_plane:
         missing = [key for key in ("friction", "restitution") if key not in contact]
         yield from (((key,), "is missing; without a plane it has no default") for key in missing)
     elif "friction" not in contact and "restitution" not in contact:

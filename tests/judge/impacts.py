@@ -185,7 +185,7 @@ def _meeting(spheres: Sequence[Sphere], phases: Sequence[Phase], until: Decimal,
         nearest = high
         if closing(low) < 0 < closing(high):
             nearest = _changed(low, high, lambda time: closing(time) < 0)
-        if gap(nearest) < 0 < gap(low):
+        if gap(nearest) < 0 < gap(low) or (gap(nearest) == 0 < gap(low) and closing(nearest) < 0):
             return _changed(low, nearest, lambda time: gap(time) > 0)
     return None
 

@@ -159,7 +159,7 @@ def _angle(phase: Phase, lasting: WideArray) -> WideArray:
 
 
 def _from_decimals(change: Change, whole: Course, one: Ball) -> bool:
-    """Return whether an event is the end of a slip that a sphere that rolls at the start has only by the decimals in the file."""
+    """Return whether an event ends a slip that a sphere has at the start only because of the decimals in the file."""
     start = whole.phases[change.body][0].start
     first = next(each for each in whole.changes if each.body == change.body)
     slipping, speed = size(slip(one, start)), size(start.velocity) + one.radius * size(start.spin)

@@ -156,7 +156,7 @@ def test_spheres_that_touch_at_the_start_hit_at_once_if_they_approach() -> None:
 
 
 def test_a_hollow_sphere_takes_less_spin() -> None:
-    """Without slip afterwards, the impulse across the line of centres is the slip over 2 (1/m + r^2/I): 1/7, or 1/5 if hollow."""
+    """Friction that ends the slip exerts the slip over 2 (1/m + r^2/I): 1/7 of it, or 1/5 if the spheres are hollow."""
     for factor, part in ((2 / 5, 7), (2 / 3, 5)):
         bodies = []
         for body in pair(
@@ -205,10 +205,12 @@ def test_motions_that_the_laws_do_not_determine_are_refused(scene: Mechanism, re
 
 @pytest.mark.parametrize("seed", [pytest.param(seed, marks=pytest.mark.slow) if seed >= FEW else seed for seed in range(MANY)])
 def test_both_ways_agree_within_their_bounds(seed: int) -> None:
+    scene = random_pair(seed)
     try:
-        both = computed(random_pair(seed), TIMES)
-    except NotModelled as refusal:
-        assert seed % 3, refusal  # in space, all have a truth
+        both = computed(scene, TIMES)
+    except NotModelled:  # of an impact in which the plane bears a part
+        if scene.plane is None:
+            raise
         return
     (second,) = both.witnesses
     first = as_way("", both.truth.trajectory, both.own_bounds, both.own_events)
@@ -259,9 +261,10 @@ def test_the_bounds_grow_to_the_size_of_a_planted_fault(plant: Callable[[pytest.
     with pytest.MonkeyPatch.context() as patch:
         plant(patch)
         wrong, certificate = computed(OBLIQUE, TIMES).truth, certify(OBLIQUE, TIMES)
-    off = np.linalg.norm(wrong.trajectory.velocity - right.trajectory.velocity, axis=-1).max(axis=0)
-    away = np.linalg.norm(wrong.trajectory.position - right.trajectory.position, axis=-1).max(axis=0)
-    assert away.max() > 1e-10
-    assert (off <= wrong.bounds.velocity_error + right.bounds.velocity_error).all()
-    assert (away <= wrong.bounds.position_error + right.bounds.position_error).all()
+    largest = 0.0
+    for name in ("position", "velocity", "angular_velocity"):
+        off = np.linalg.norm(getattr(wrong.trajectory, name) - getattr(right.trajectory, name), axis=-1).max(axis=0)
+        assert (off <= getattr(wrong.bounds, f"{name}_error") + getattr(right.bounds, f"{name}_error")).all()
+        largest = max(largest, float(off.max()))
+    assert largest > 1e-10
     assert certificate.faults
