@@ -77,7 +77,7 @@ def _nearest(t: Array, apart: Array, parting: Array, first: int, last: int) -> f
 
 @dataclass(frozen=True)
 class Exchange:
-    """What bodies exchange in an impact, relative to what they have just before.
+    """The energy and momentum that bodies exchange in an impact, relative to those that they have just before.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class Partner:
 
 
 def exchange(partners: Sequence[Partner], hit: Meeting | Impact) -> Exchange:
-    """What bodies exchange in an impact, from the samples just before and after their contact.
+    """The exchange of bodies in an impact, from the samples just before and after their contact.
 
     Energy and momentum without gravity do not change in a flight, so that both are those of the impact alone.
     """

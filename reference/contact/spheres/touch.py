@@ -52,8 +52,8 @@ def next_touch(apart: Vector3, velocity: Vector3, acceleration: Vector3, reach: 
         powers = powers[1:]  # the root at the present instant is left out
     if touching and powers and powers[0] < 0:
         raise NotModelled("spheres that stay in touch and press on each other")
-    places = [place for place in _roots(powers, until) if place > 0]
-    return next((place for place in places if _slope(powers, place) < 0), MP.inf)
+    roots = [root for root in _roots(powers, until) if root > 0]
+    return next((root for root in roots if _slope(powers, root) < 0), MP.inf)
 
 
 def _straight(gap: Real, closing: Real, square: Real) -> Real:
@@ -88,9 +88,9 @@ def _bisected(powers: Sequence[Real], low: Real, high: Real, before: Real) -> Re
     return high
 
 
-def _value(powers: Sequence[Real], place: Real) -> Real:
-    return MP.polyval(list(reversed(powers)), place)
+def _value(powers: Sequence[Real], time: Real) -> Real:
+    return MP.polyval(list(reversed(powers)), time)
 
 
-def _slope(powers: Sequence[Real], place: Real) -> Real:
-    return _value([order * power for order, power in enumerate(powers)][1:], place)
+def _slope(powers: Sequence[Real], time: Real) -> Real:
+    return _value([order * power for order, power in enumerate(powers)][1:], time)
