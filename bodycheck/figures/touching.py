@@ -16,6 +16,7 @@ from bodycheck.reference.contact.motion import Event, EventKind
 from bodycheck.reference.contact.observables import Rolling, crept, depth, lean, rest, rests, rolling, work
 from bodycheck.reference.contact.touching import Touching, pushes_on, touching
 from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -158,9 +159,9 @@ def energy_gain(compared: Comparison) -> Array | None:
     """Return by how much (n,) the mechanical energy, less the work of the pushes, exceeds its lowest value so far.
 
     The excess is relative to the largest mechanical energy of the truth, where known, and of the start of the run, with zero
-    potential energy for a centre of mass in the plane.
+    potential energy for a centre of mass in the plane, or without potential energy if there is no plane.
     """
-    if not compared.touching or isinstance(compared.scene, Scenes):
+    if isinstance(compared.scene, Scenes) or not touches(compared.scene):
         return None
     start = energy_from_plane(compared.scene, compared.trajectory.part(slice(0, 1)))
     exact = energy_from_plane(compared.scene, compared.truth.trajectory)
@@ -178,8 +179,13 @@ def gained(scene: AnyScene, trajectory: Trajectory) -> Array:
 
 
 def energy_from_plane(scene: AnyScene, trajectory: Trajectory) -> Array:
-    """Return the mechanical energy (n,), J, of all bodies, with a potential energy that is zero in the plane."""
+    """Return the mechanical energy (n,), J, of all bodies, with a potential energy that is zero in the plane.
+
+    Without a plane it is the kinetic energy alone.
+    """
     energy = np.array(observe(scene, trajectory).kinetic_energy)
+    if scene.plane is None:
+        return energy
     for body, motion in zip(touching(scene), motions(scene, trajectory), strict=True):
         height = motion.position @ np.array(body.normal) * body.normal[2]
         energy += body.mass * scene.gravity * np.maximum(height, 0.0)

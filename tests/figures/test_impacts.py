@@ -39,6 +39,7 @@ def test_a_truth_measured_as_a_run_has_no_errors(scene: Mechanism, samples: int)
     measured = figures(scene, moved(scene, samples=samples))
     for name in ("impact_energy_error", "impact_momentum_error", "velocity_error"):
         assert measured[name] == 0
+    assert measured["energy_gain"] < ROUNDED
     # The instant is that at which straight lines meet, of states that are rounded to doubles.
     assert measured["impact_time_error"] < ROUNDED
 
