@@ -34,11 +34,11 @@ def exchanges(compared: Comparison) -> Iterator[tuple[Exchange, Exchange]]:
             if not exact.seen or not (seen.seen or would_bounce(seen, body, compared)):
                 break
             yield _exchanged(compared, (index,), seen, 0), _exchanged(compared, (index,), exact, 1)
-    for pair, exact_hits in compared.exact_meetings.items():
-        for number, exact in enumerate(exact_hits):
-            true, hits = _exchanged(compared, pair, exact, 1), compared.meetings[pair]
-            none = Exchange(0.0, np.zeros((len(pair), 3)))
-            yield (_exchanged(compared, pair, hits[number], 0) if number < len(hits) else none), true
+    for pair, true in compared.exact_meetings.items():
+        hits, none = compared.meetings[pair], Exchange(0.0, np.zeros((len(pair), 3)))
+        for number, meeting in enumerate(true):
+            run = _exchanged(compared, pair, hits[number], 0) if number < len(hits) else none
+            yield run, _exchanged(compared, pair, meeting, 1)
 
 
 def _exchanged(compared: Comparison, indices: tuple[int, ...], hit: Impact | Meeting, way: int) -> Exchange:

@@ -116,10 +116,10 @@ def _states(phases: list[Phase], attitude: WideArray, times: Array) -> States:
     """
     starts = [phase.start.time for phase in phases]
     index, lasting = _places(starts, times)
-    spans = [wide(later - earlier) for earlier, later in itertools.pairwise(starts)]
+    spans = [_wide([later - earlier]) for earlier, later in itertools.pairwise(starts)]
     ended = list(zip(phases, spans, strict=False))
-    before = chained(np.array([_turned(phase, span[None])[0] for phase, span in ended], Wide).reshape(-1, 4))
-    angles = np.concatenate([[Wide(0)], np.cumsum([_angle(phase, span) for phase, span in ended])])
+    before = chained(np.array([_turned(phase, span)[0] for phase, span in ended], Wide).reshape(-1, 4))
+    angles = np.cumsum([Wide(0), *(_angle(phase, span)[0] for phase, span in ended)])
     position, velocity, spin = (np.zeros((len(times), 3), Wide) for _ in range(3))
     turn, bounds = np.zeros((len(times), 4), Wide), np.zeros((len(STATES), len(times)), Wide)
     for at in np.unique(index):
