@@ -95,11 +95,11 @@ def plane_of(scene: AnyScene) -> Plane:
 def laws(scene: AnyScene) -> tuple[Law, ...]:
     """Return the law of the plane, which is the default for all pairs, then the laws of the pairs with other coefficients.
 
-    Both indices of the first law are `WORLD`.
+    Both indices of the first law are `WORLD`. Without a plane, which an adapter models only if its record has "contacts without
+    a plane", the first law counts for no pair: only the pairs of the other laws touch.
     """
-    plane = plane_of(scene)
     pairs = scene.contacts if isinstance(scene, Mechanism) else ()
-    usual = Law((WORLD, WORLD), plane.friction, plane.restitution)
+    usual = Law((WORLD, WORLD), *((0.0, 0.0) if scene.plane is None else (scene.plane.friction, scene.plane.restitution)))
     return usual, *(Law(pair.bodies, pair.friction, pair.restitution) for pair in pairs)
 
 

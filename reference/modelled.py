@@ -38,12 +38,11 @@ def missing_model(scene: AnyScene) -> str | None:
 @functools.lru_cache(maxsize=64)
 def _missing_contact(scene: AnyScene) -> str | None:
     """Return the feature of a scene with contact that the reference has no model of, in words, or None."""
-    from bodycheck.reference.contact.problem import problem  # the ways of contact are imported where they are needed
-    from bodycheck.reference.contact.ways import contact_motion
+    from bodycheck.reference.contact.ways import motion_of  # the ways of contact are imported where they are needed
 
     try:
         with within_range("the motion"):
-            contact_motion(problem(scene), np.zeros(1))
+            motion_of(scene, np.zeros(1))
     except NotModelled as error:
         return str(error)
     except OutOfReach:  # the motion raises it too, whatever the instants

@@ -102,7 +102,7 @@ class MechanismRequirements:
         The names of the effects: "mechanisms", "gravity", the `effect` of the type of each joint, "armature", "joint damping",
         "joint springs", "joint friction", "joint efforts", "mimic joints", "controllers", "rigid stops", "elastic stops",
         "stops that cease to act", "loops", "point masses" where a body with a mass has a moment of zero, "massless bodies",
-        "contacts" where there is a plane, and "pushes".
+        "contacts" where bodies touch, "contacts without a plane", and "pushes".
     degrees_of_freedom
         Number of velocities of its joints and free bodies without those of joints that follow others. The velocities that loops
         take away are not subtracted.
@@ -169,7 +169,8 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
         "loops": bool(mechanism.loops),
         "point masses": any(nearest_inertia(body).mass and has_zero_moment(body) for body in mechanism.bodies),
         "massless bodies": not all(nearest_inertia(body).mass for body in mechanism.bodies),
-        "contacts": mechanism.plane is not None,
+        "contacts": touches(mechanism),
+        "contacts without a plane": touches(mechanism) and mechanism.plane is None,
         "pushes": bool(mechanism.pushes),
     }
     free = sum(joint is None for joint in mechanism.joint_of)
@@ -198,11 +199,11 @@ def lies_flat(scene: Scene) -> bool:
 def touches(scene: AnyScene) -> bool:
     """Return whether the motion is computed by `contact`.
 
-    `contact` computes mechanisms on a plane, and a single body on a plane without drag, except a body that lies flat on a level
-    plane with finite friction and without pushes.
+    `contact` computes mechanisms with a plane or with pairs that touch, and a single body on a plane without drag, except a
+    body that lies flat on a level plane with finite friction and without pushes.
     """
     if isinstance(scene, Mechanism):
-        return scene.plane is not None
+        return scene.plane is not None or bool(scene.contacts)
     if scene.plane is None or scene.drag:
         return False
     needed = requirements(scene)

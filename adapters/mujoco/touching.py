@@ -30,14 +30,14 @@ from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.adapters.mujoco.models import Force, compiled_model, geometry
 from bodycheck.adapters.mujoco.stepping import Stepper, external_force, refuse_warnings
-from bodycheck.adapters.touching import Pushed, TouchingBody, laws, plane_of, switches, touching_bodies
+from bodycheck.adapters.touching import Pushed, TouchingBody, laws, switches, touching_bodies
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.scene import Push
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that MuJoCo models, of which restitution is an approximation.
-MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
+MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts", "contacts without a plane"})
 
 #: The number of steps that a bounce lasts with `restitution=solref`. A shorter bounce is not resolved, a longer one is softer.
 STEPS_OF_A_BOUNCE = 20
@@ -139,8 +139,8 @@ def torques(data: mujoco.MjData, pushes: Sequence[Push]) -> Force:
 
 
 def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) -> str:
-    """Return MuJoCo's XML of a scene with a plane. Raises `SceneUnsupported`."""
-    chosen, plane = dict(method.options), plane_of(scene)
+    """Return MuJoCo's XML of bodies that touch. Without a plane, only elements `pair` do. Raises `SceneUnsupported`."""
+    chosen = dict(method.options)
     check_options(scene, method)
     root = ElementTree.Element("mujoco")
     ElementTree.SubElement(root, "compiler", angle="radian", balanceinertia="false", inertiafromgeom="false")
@@ -154,10 +154,12 @@ def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) ->
     law_of_plane = law_written(usual.friction, usual.restitution, method) | {
         "friction": numbers_written(usual.friction, *rolling)
     }
-    ElementTree.SubElement(ElementTree.SubElement(root, "default"), "geom", law_of_plane)
+    alone = {"contype": "0", "conaffinity": "0"}
+    ElementTree.SubElement(ElementTree.SubElement(root, "default"), "geom", law_of_plane if scene.plane else alone)
     world = ElementTree.SubElement(root, "worldbody")
-    turn = numbers_written(math.cos(plane.incline / 2), 0, math.sin(plane.incline / 2), 0)
-    ElementTree.SubElement(world, "geom", name=geom_name(WORLD), type="plane", size="0 0 1", quat=turn)
+    if scene.plane is not None:
+        turn = numbers_written(math.cos(scene.plane.incline / 2), 0, math.sin(scene.plane.incline / 2), 0)
+        ElementTree.SubElement(world, "geom", name=geom_name(WORLD), type="plane", size="0 0 1", quat=turn)
     for index, body in enumerate(bodies):
         add_body(world, index, body)
     if others:

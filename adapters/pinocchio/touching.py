@@ -23,14 +23,14 @@ from bodycheck.adapters.pinocchio import contact
 from bodycheck.adapters.pinocchio.contact_points import Placed, Point, between, on_plane, radius
 from bodycheck.adapters.pinocchio.joints import add_body, world
 from bodycheck.adapters.stepping import Loop
-from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
+from bodycheck.adapters.touching import TouchingBody, laws, switches, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.planar import describe_shape
-from bodycheck.reference.scene import Brick, Push, Sphere
+from bodycheck.reference.scene import Brick, Plane, Push, Sphere
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that Pinocchio models with the points of `contact_points`.
-MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
+MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts", "contacts without a plane"})
 
 #: Why there is no script of bodies that touch.
 NO_SCRIPT = "a script of bodies that touch: where they do is found by bodycheck, not by Pinocchio"
@@ -85,10 +85,7 @@ class Contacts:
         self.inverse = [inverse[start : start + 6, start : start + 6] for start in range(0, self.model.nv, 6)]
         self.fall = scene.gravity * timestep
         self.unit = self.fall or 1.0
-        incline = plane_of(scene).incline
-        self.plane = np.array(
-            [[np.cos(incline), 0.0, np.sin(incline)], [0.0, 1.0, 0.0], [-np.sin(incline), 0.0, np.cos(incline)]]
-        )
+        self.plane = None if scene.plane is None else axes_of(scene.plane)
         usual, *others = laws(scene)
         self.usual, self.others = usual, {law.bodies: law for law in others}
         self.radii = np.array([radius(body.shape) for body in bodies])
@@ -134,13 +131,16 @@ class Contacts:
         reach = np.linalg.norm(moving[:, :3], axis=1) + np.linalg.norm(moving[:, 3:], axis=1) * self.radii
         margins = 2 * self.timestep * (reach + 2 * self.unit)
         points: list[Point] = []
-        for index, body in enumerate(placed):
-            points.extend(on_plane(index, body, self.plane, float(margins[index])))
+        if self.plane is not None:
+            for index, body in enumerate(placed):
+                points.extend(on_plane(index, body, self.plane, float(margins[index])))
         centres = np.array([body.centre for body in placed])
         apart = np.linalg.norm(centres[:, None] - centres, axis=2)
         sizes = self.radii + margins
         near = np.argwhere(np.triu(apart <= sizes[:, None] + sizes, 1))  # usually a few of many pairs
         for one, other in near.tolist():
+            if self.plane is None and (one, other) not in self.others:
+                continue  # without a plane only the pairs that are named touch
             points.extend(between((one, other), placed[one], placed[other], float(margins[one] + margins[other])))
         return points
 
@@ -231,6 +231,12 @@ class Jacobian:
         for index, (rows, block) in self.blocks.items():
             of_bodies[6 * index : 6 * index + 6] = inverse[index] @ (block.T @ impulses[rows])
         return of_bodies
+
+
+def axes_of(plane: Plane) -> Array:
+    """Return the matrix (3, 3) whose columns are the axes of a plane: downhill, across, and the normal."""
+    cosine, sine = np.cos(plane.incline), np.sin(plane.incline)
+    return np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
 
 
 def settings() -> "pin.ADMMSolverSettings":

@@ -30,7 +30,7 @@ def surroundings_faults(document: Mapping[str, Any], names: Sequence[str]) -> It
     """
     scene = mapping(document.get("scene"))
     for index, contact in enumerate(tables_of(scene, "contacts", MAX_CONTACTS)):
-        for path, message in _of_contact(contact, names, "plane" in scene):
+        for path, message in _of_contact(contact, names, on_plane="plane" in scene):
             yield ("scene", "contacts", index, *path), message
     for index, push in enumerate(tables_of(scene, "push", MAX_PUSHES)):
         if "until" in push and number(push["until"]) <= number(push.get("from")):
@@ -40,10 +40,14 @@ def surroundings_faults(document: Mapping[str, Any], names: Sequence[str]) -> It
         yield ("scene", "plane", "pressure"), "the decoupled law does not depend on where the load is; allowed: uniform"
 
 
-def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool) -> Iterator[tuple[Path, str]]:
-    if not on_plane:
+def _of_contact(contact: Mapping[str, Any], names: Sequence[str], *, on_plane: bool) -> Iterator[tuple[Path, str]]:
+    if not on_plane and len(names) < 2:
         yield (), "nothing touches without a plane; give [scene.plane]"
-    if "friction" not in contact and "restitution" not in contact:
+        return
+    if not on_plane:
+        missing = [key for key in ("friction", "restitution") if key not in contact]
+        yield from (((key,), "is missing; without a plane it has no default") for key in missing)
+    elif "friction" not in contact and "restitution" not in contact:
         yield (), "says nothing; give friction or restitution"
     pair = contact.get("bodies")
     if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
@@ -51,9 +55,10 @@ def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool
     for index, pattern in enumerate(pair):
         if not 0 < len(pattern) <= MAX_NAME_LENGTH or not pattern.isprintable():
             continue  # reported as another fault
-        if pattern != PLANE and not _places(pattern, names):
-            shown = ", ".join([PLANE, *first_names(names)])
-            yield ("bodies", index), f"there is no such body; allowed: {shown}{did_you_mean(pattern, [PLANE, *names])}"
+        allowed = [PLANE, *names] if on_plane else list(names)
+        if (pattern == PLANE and not on_plane) or (pattern != PLANE and not _places(pattern, names)):
+            shown = ", ".join([PLANE, *first_names(names)] if on_plane else first_names(names))
+            yield ("bodies", index), f"there is no such body; allowed: {shown}{did_you_mean(pattern, allowed)}"
     if pair[0] == pair[1] and (pair[0] == PLANE or "*" not in pair[0]):
         yield ("bodies",), "a contact is of two different bodies"
 
@@ -70,22 +75,22 @@ def build_contacts(
 ) -> tuple[PairContact, ...]:
     """Return the contacts that tables state for pairs of bodies, or of a body and the plane; the last for a pair counts.
 
-    names: the names of the bodies. A pair with the friction and restitution of the plane is left out.
+    names: the names of the bodies. A pair with the friction and restitution of the plane is left out. Without a plane, each
+    table has both.
     """
-    if plane is None:
-        return ()
     by_pair: dict[tuple[int, int], PairContact] = {}
+    usual = (0.0, 0.0) if plane is None else (plane.friction, plane.restitution)
     for table in tables:
         first, second = (_places(pattern, names) for pattern in table.bodies)
-        friction = plane.friction if table.friction is None else _coefficient(table.friction)
-        restitution = plane.restitution if table.restitution is None else table.restitution
+        friction = usual[0] if table.friction is None else _coefficient(table.friction)
+        restitution = usual[1] if table.restitution is None else table.restitution
         for one in first:
             for other in second:
                 if one != other:
                     pair = min(one, other), max(one, other)
                     by_pair[pair] = PairContact(pair, friction, restitution)
-    usual = plane.friction, plane.restitution
-    return tuple(pair for _, pair in sorted(by_pair.items()) if (pair.friction, pair.restitution) != usual)
+    pairs = [pair for _, pair in sorted(by_pair.items())]
+    return tuple(pair for pair in pairs if plane is None or (pair.friction, pair.restitution) != usual)
 
 
 def build_push(table: grammar.PushTable, body: int = 0) -> Push:

@@ -1,7 +1,7 @@
 """Figures of a run: their names, units and meanings, and how they are computed from a comparison with the truth."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, Protocol
@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.figures.column import Column, Kind
-from bodycheck.reference.bodies import motions
+from bodycheck.reference.bodies import bodies, motions
 from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.contact.impacts import Impact, impacts
+from bodycheck.reference.contact.meetings import Meeting, meetings
 from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.contact.observables import stays
 from bodycheck.reference.contact.touching import Touching, pushes_on, touching
@@ -25,7 +26,7 @@ from bodycheck.reference.observables import Observables
 from bodycheck.reference.observables import observe as observe_body
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.requirements import touches
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.scene import Scene, Sphere
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.sensors.readings import Sensed
 from bodycheck.reference.sensors.sensor import Sensor
@@ -67,6 +68,9 @@ class InterfaceLoad:
     load: float
     losses: int
 
+
+#: The indices of two bodies, in ascending order.
+Pair = tuple[int, int]
 
 #: Energies and momenta of one body, or of the bodies of a mechanism.
 AnyObservables = Observables | MechanismObservables
@@ -205,14 +209,47 @@ class Comparison:
 
     @cached_property
     def impacts(self) -> tuple[tuple[Impact, ...], ...]:
-        """The impacts of the run, by body."""
+        """The impacts of the run on the plane, by body."""
+        return self._on_plane([run for run, _ in self.motions], self.meetings)
+
+    @cached_property
+    def exact_impacts(self) -> tuple[tuple[Impact, ...], ...]:
+        """The impacts of the truth on the plane, by body, measured as those of the run."""
+        return self._on_plane([exact for _, exact in self.motions], self.exact_meetings)
+
+    def _on_plane(self, moved: Sequence[Trajectory], met: Mapping[Pair, tuple[Meeting, ...]]) -> tuple[tuple[Impact, ...], ...]:
+        """Return the impacts of bodies on the plane, by body, without those of two bodies on each other."""
         if isinstance(self.scene, Scenes):
             return ()
+        scene, by_body = self.scene, []
+        for index, body in enumerate(self.touching):
+            others = [hit for pair, hits in met.items() if index in pair for hit in hits]
+            hits = impacts(body, moved[index], scene.gravity, pushes_on(scene, index))
+            alone = (hit for hit in hits if not any(hit.start < each.end and each.start < hit.end for each in others))
+            by_body.append(tuple(alone))
+        return tuple(by_body)
+
+    @cached_property
+    def meetings(self) -> dict[Pair, tuple[Meeting, ...]]:
+        """The impacts of the run in which two bodies hit each other, by the pairs of bodies that do in the truth."""
+        return self._meetings([run for run, _ in self.motions])
+
+    @cached_property
+    def exact_meetings(self) -> dict[Pair, tuple[Meeting, ...]]:
+        """The impacts of the truth in which two bodies hit each other, measured as those of the run."""
+        return self._meetings([exact for _, exact in self.motions])
+
+    def _meetings(self, moved: Sequence[Trajectory]) -> dict[Pair, tuple[Meeting, ...]]:
         scene = self.scene
-        return tuple(
-            impacts(body, self.motions[index][0], scene.gravity, pushes_on(scene, index))
-            for index, body in enumerate(self.touching)
-        )
+        pairs = {(event.body, event.other) for event in self.events if event.kind == "impact" and event.body < event.other}
+        if isinstance(scene, Scenes) or not pairs:
+            return {}
+        radii = [body.shape.radius if isinstance(body.shape, Sphere) else math.nan for body in bodies(scene)]
+        # The largest changes by a plane are those of a sphere that slips on it and of one that flies.
+        unseen = 0.0 if scene.plane is None else 2 * scene.gravity * (1 + scene.plane.friction)
+        return {
+            (one, other): meetings(moved[one], moved[other], radii[one] + radii[other], unseen) for one, other in sorted(pairs)
+        }
 
     @cached_property
     def between_events(self) -> NDArray[np.bool_] | None:
@@ -222,7 +259,7 @@ class Comparison:
         impact of the run. Once the truth no longer bounces, velocities are compared at all instants, because bounces of the run
         are then errors.
         """
-        if not any(event.ends_flight for event in self.events):
+        if not (self.meetings or any(event.ends_flight for event in self.events)):
             return None
         between = np.full(len(self.trajectory), True)
         for index, body in enumerate(self.touching):
@@ -230,6 +267,10 @@ class Comparison:
             if exact_impacts:
                 settled = stays(body, self.motions[index][1], self.truth.bounds.velocity_error)
                 between &= _alike(self.trajectory.t, exact_impacts, self.impacts[index], settled)
+        never = np.zeros(len(self.trajectory), dtype=bool)
+        for pair, seen in self.meetings.items():
+            exact_impacts = [event.time for event in self.events if (event.body, event.other) == pair]
+            between &= _alike(self.trajectory.t, exact_impacts, seen, never)
         return between
 
     @cached_property
@@ -239,7 +280,7 @@ class Comparison:
         return measured_stop(self.scene, self.trajectory)
 
 
-def _alike(t: Array, there: Sequence[float], seen: Sequence[Impact], settled: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _alike(t: Array, there: Sequence[float], seen: Sequence[Impact | Meeting], settled: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return whether a run has had the impacts of the truth (n,). settled (n,): whether the truth no longer bounces."""
     had, should = (np.searchsorted(times, t, side="right") for times in (np.array([hit.time for hit in seen]), np.array(there)))
     alike = np.asarray((had == should) | settled)

@@ -16,6 +16,7 @@ from bodycheck.reference.contact.motion import Event, EventKind
 from bodycheck.reference.contact.observables import Rolling, crept, depth, lean, rest, rests, rolling, work
 from bodycheck.reference.contact.touching import Touching, pushes_on, touching
 from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -56,9 +57,15 @@ def roll_speed_error(compared: Comparison) -> float | None:
 
 
 def impact_time_error(compared: Comparison) -> float | None:
-    """Return the difference (s) between the first impacts in run and truth; for a run without impact, its end counts."""
+    """Return the difference (s) between the first impacts in run and truth; for a run without impact, its end counts.
+
+    Those on the plane and those of each pair of bodies count.
+    """
     last = float(compared.trajectory.t[-1])
-    errors = (abs((last if seen is None else seen.time) - exact.time) for exact, seen, _ in first_impacts(compared))
+    errors = [abs((last if seen is None else seen.time) - exact.time) for exact, seen, _ in first_impacts(compared)]
+    for pair, hits in compared.meetings.items():
+        first = next(event.time for event in compared.events if (event.body, event.other) == pair)
+        errors.append(abs((hits[0].time if hits else last) - first))
     return max(errors, default=None)
 
 
@@ -80,7 +87,7 @@ def bounce_ratio_error(compared: Comparison) -> float | None:
         if first is None or not _known(first):
             continue
         for hit in compared.impacts[index]:
-            if hit.seen or _would_bounce(hit, body, compared):
+            if hit.seen or would_bounce(hit, body, compared):
                 errors.append(abs((hit.after if hit.seen else 0.0) / hit.before - body.restitution))
     return max(errors, default=None)
 
@@ -152,9 +159,9 @@ def energy_gain(compared: Comparison) -> Array | None:
     """Return by how much (n,) the mechanical energy, less the work of the pushes, exceeds its lowest value so far.
 
     The excess is relative to the largest mechanical energy of the truth, where known, and of the start of the run, with zero
-    potential energy for a centre of mass in the plane.
+    potential energy for a centre of mass in the plane, or without potential energy if there is no plane.
     """
-    if not compared.touching or isinstance(compared.scene, Scenes):
+    if isinstance(compared.scene, Scenes) or not touches(compared.scene):
         return None
     start = energy_from_plane(compared.scene, compared.trajectory.part(slice(0, 1)))
     exact = energy_from_plane(compared.scene, compared.truth.trajectory)
@@ -172,8 +179,13 @@ def gained(scene: AnyScene, trajectory: Trajectory) -> Array:
 
 
 def energy_from_plane(scene: AnyScene, trajectory: Trajectory) -> Array:
-    """Return the mechanical energy (n,), J, of all bodies, with a potential energy that is zero in the plane."""
+    """Return the mechanical energy (n,), J, of all bodies, with a potential energy that is zero in the plane.
+
+    Without a plane it is the kinetic energy alone.
+    """
     energy = np.array(observe(scene, trajectory).kinetic_energy)
+    if scene.plane is None:
+        return energy
     for body, motion in zip(touching(scene), motions(scene, trajectory), strict=True):
         height = motion.position @ np.array(body.normal) * body.normal[2]
         energy += body.mass * scene.gravity * np.maximum(height, 0.0)
@@ -219,7 +231,7 @@ def _gravity(compared: Comparison) -> float:
     return compared.scene.gravity
 
 
-def _would_bounce(hit: Impact, body: Touching, compared: Comparison) -> bool:
+def would_bounce(hit: Impact, body: Touching, compared: Comparison) -> bool:
     """Return whether the samples would show the bounce after an impact if the bounce were exact."""
     fall = _gravity(compared) * body.normal[2]
     return body.restitution > 0 and 2 * body.restitution * hit.before >= 2 * hit.shortest * fall
@@ -230,7 +242,7 @@ def _after(hit: Impact, body: Touching, compared: Comparison) -> Array | None:
     if hit.seen:
         return hit.velocity
     normal = np.array(body.normal)
-    return hit.velocity - (hit.velocity @ normal) * normal if _would_bounce(hit, body, compared) else None
+    return hit.velocity - (hit.velocity @ normal) * normal if would_bounce(hit, body, compared) else None
 
 
 FIGURES = (
@@ -258,7 +270,7 @@ FIGURES = (
         title="Impact time error",
         meaning="difference between the time of the first impact, where the arcs before and after it meet, and the exact time",
         unit="s",
-        remark="of a body that falls on the plane",
+        remark="of bodies that hit the plane or each other",
         compute=impact_time_error,
         scale=lambda scales: scales.duration,
         most=lambda last: last,

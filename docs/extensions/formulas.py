@@ -56,6 +56,11 @@ FORMULAS = {
     "impact_speed_error": r"\lVert \mathbf v(t_1^+) - \mathbf v^*(t_1^{*+}) \rVert",
     "bounce_ratio_error": r"\max_k \lvert v_n(t_k^+) / v_n(t_k^-) - e \rvert",
     "rest_time_error": r"\lvert t_\text{rest} - t_\text{rest}^* \rvert",
+    "impact_energy_error": r"\max_k \lvert \Delta E_k / T(t_k^-) - \Delta E_k^* / T^*(t_k^{*-}) \rvert",
+    "impact_momentum_error": (
+        r"\max_{k, b} \lVert \Delta \mathbf P_{k, b} / \sum_b \lVert \mathbf P_b(t_k^-) \rVert - "
+        r"\Delta \mathbf P_{k, b}^* / \sum_b \lVert \mathbf P_b^*(t_k^{*-}) \rVert \rVert"
+    ),
     "energy_gain": r"\max_{t \ge s} (E(t) - E(s)) / \max_t E^*(t)",
     "load_error": r"\max \lvert \bar N - N^* \rvert / N^*",
     "contact_losses": r"n(N = 0 \text{ after } N > 0)",

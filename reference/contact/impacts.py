@@ -88,7 +88,7 @@ def impacts(body: Touching, motion: Trajectory, gravity: float, pushes: tuple[Pu
     allowed = ON_ARC * np.abs(along) * steps + ROUNDED * fastest
     off = ~(np.abs(np.diff(speeds) - along * steps) <= allowed)
     hits = []
-    for first, last in _groups(off):
+    for first, last in contacts_of(off):
         seen = last < len(motion) - 1
         hit = _impact(body, motion, pulls, first, last, seen)
         if hit.before > ROUNDED * fastest + ON_ARC * abs(along[first]) * steps[first]:
@@ -106,7 +106,7 @@ def _accelerations(times: Array, gravity: float, pushes: tuple[Push, ...], mass:
     return accelerations
 
 
-def _groups(off: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+def contacts_of(off: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
     """Yield the indices of the first and the last sample of each contact. off: (n - 1,) whether each interval is on no arc."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]]).astype(int)))
     for first, last in zip(edges[::2], edges[1::2], strict=True):

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import Instant, WideArray
@@ -33,7 +34,10 @@ class Event:
     position, velocity, spin
         Position (m) and velocity (m/s) of its centre of mass and its angular velocity (rad/s) just after, world frame.
     normal_speed
-        Speed (m/s) of the centre of mass towards the plane just before an impact that ends a flight; 0 for any other event.
+        Speed (m/s) of the centre of mass towards the plane just before an impact that ends a flight, or towards the centre of
+        another body that it hits; 0 for any other event.
+    other
+        In an impact, the index of what the body hits: another body, or `WORLD` for the plane.
     """
 
     kind: EventKind
@@ -44,11 +48,12 @@ class Event:
     velocity: Vector
     spin: Vector
     normal_speed: float = 0.0
+    other: int = WORLD
 
     @property
     def ends_flight(self) -> bool:
-        """Return whether the event is an impact of a body that did not touch anything before."""
-        return self.kind == "impact" and self.normal_speed > 0
+        """Return whether the event is an impact on the plane of a body that did not touch anything before."""
+        return self.kind == "impact" and self.normal_speed > 0 and self.other == WORLD
 
 
 @dataclass(frozen=True)

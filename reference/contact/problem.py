@@ -7,6 +7,7 @@ import numpy as np
 
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, Wide, wide
+from bodycheck.reference.exact.rotations import IDENTITY as NO_TURN
 from bodycheck.reference.exact.rotations import conjugate, matrix, multiply, turned
 from bodycheck.reference.exact.start import start
 from bodycheck.reference.inertia import IDENTITY
@@ -67,8 +68,6 @@ class Problem:
         (3,) gravitational acceleration (m/s^2).
     pushes
         The constant forces, with components along the axes of the plane.
-    turn
-        (4,) unit quaternion w, x, y, z from the axes of the plane to the axes of the world.
     """
 
     bodies: tuple[ContactBody, ...]
@@ -76,7 +75,6 @@ class Problem:
     contacts: tuple[PairContact, ...]
     gravity: WideArray
     pushes: tuple[Push, ...]
-    turn: WideArray
 
     def pair(self, one: int, other: int = WORLD) -> tuple[float, float]:
         """Friction and restitution of two bodies, given by their indices; by default those of a body and the plane."""
@@ -92,8 +90,7 @@ def problem(scene: AnyScene) -> Problem:
     """
     plane = scene.plane
     assert plane is not None  # the caller has checked this
-    half = MP.mpf(plane.incline) / 2
-    back = MP.cos(half), MP.mpf(0), -MP.sin(half), MP.mpf(0)
+    back = _to_plane(plane)
     bodies = _bodies(scene, back) if isinstance(scene, Mechanism) else (_body(scene, back),)
     sine, cosine = MP.sin(MP.mpf(plane.incline)), MP.cos(MP.mpf(plane.incline))
     gravity = MP.mpf(scene.gravity)
@@ -103,8 +100,18 @@ def problem(scene: AnyScene) -> Problem:
         scene.contacts if isinstance(scene, Mechanism) else (),
         _wide((gravity * sine, MP.mpf(0), -gravity * cosine)),
         tuple(_along(push, back) for push in scene.pushes),
-        _wide(conjugate(back)),
     )
+
+
+def turn_of(scene: AnyScene) -> WideArray:
+    """The unit quaternion (4,) from the axes of the plane of a scene to those of the world; no rotation without a plane."""
+    return _wide(NO_TURN if scene.plane is None else conjugate(_to_plane(scene.plane)))
+
+
+def _to_plane(plane: Plane) -> tuple[Real, Real, Real, Real]:
+    """The unit quaternion from the axes of the world to those of a plane."""
+    half = MP.mpf(plane.incline) / 2
+    return MP.cos(half), MP.mpf(0), -MP.sin(half), MP.mpf(0)
 
 
 def _body(scene: Scene, back: tuple[Real, Real, Real, Real]) -> ContactBody:

@@ -11,8 +11,8 @@ import numpy as np
 from bodycheck.reference.bodies import initial
 from bodycheck.reference.bounds import EPS, STATES, Bounds
 from bodycheck.reference.contact.motion import ContactMotion, Event
-from bodycheck.reference.contact.problem import problem
-from bodycheck.reference.contact.ways import contact_motion
+from bodycheck.reference.contact.problem import turn_of
+from bodycheck.reference.contact.ways import motion_of
 from bodycheck.reference.contact.witness.ways import second
 from bodycheck.reference.kinematics import multiply, normalise, rotate
 from bodycheck.reference.mechanisms import ways
@@ -39,17 +39,16 @@ BACKEND = "numpy"
 
 
 def computed_contact(scene: AnyScene, times: Array, *, vouched: bool = True) -> Computed:
-    """The truth of a scene with a plane at ascending times (n,) >= 0 (s). Raises the same exceptions as `truth.truth`.
+    """The truth of a scene of bodies that touch at ascending times (n,) >= 0 (s). Raises the same exceptions as `truth.truth`.
 
     vouched: whether the motion is compared with its witness. If not, or if no witness can follow the motion, the bounds are
     those of its way alone.
     """
     times = np.asarray(times, dtype=float)
-    task = problem(scene)
-    motion = contact_motion(task, times)
-    states = _from_file(scene, _in_world(motion, task.turn, times))
+    motion, turn = motion_of(scene, times), turn_of(scene)
+    states = _from_file(scene, _in_world(motion, turn, times))
     errors = _errors(motion, states)
-    events = tuple(_event_in_world(event, task.turn) for event in motion.events)
+    events = tuple(_event_in_world(event, turn) for event in motion.events)
     trajectory = states if isinstance(scene, Mechanism) else states.body(0)
     bounds = _bounds(scene, trajectory, errors)
     own_events = tuple(Instant(event.kind, event.time, event.error, event.body) for event in events)

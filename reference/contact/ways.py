@@ -1,5 +1,8 @@
 """The ways that compute motions of bodies that touch. The first way that models a scene computes its motion.
 
+Two spheres that hit each other are the last way. It starts from the scene, since it needs all digits of the file, and needs no
+plane.
+
 Engines have no infinite coefficient of friction: `finite` replaces it by a coefficient that is large enough to prevent slip.
 """
 
@@ -19,6 +22,7 @@ from bodycheck.reference.contact.piles import pushed, rest
 from bodycheck.reference.contact.problem import Problem
 from bodycheck.reference.contact.problem import problem as problem_of
 from bodycheck.reference.contact.round.alone import cylinder, sphere
+from bodycheck.reference.contact.spheres import way as way_of_spheres
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
@@ -39,16 +43,32 @@ WAYS: tuple[Way, ...] = (
     dropped.motion,
 )
 
+#: The reason why a motion has no truth.
+NO_WAY = "such a motion of bodies that touch (docs/truth.md lists those that it models)"
+
 #: The factor by which the coefficient of friction for engines exceeds the smallest coefficient that holds.
 MARGIN = 2.0
 
 
 def contact_motion(problem: Problem, times: Array) -> ContactMotion:
-    """The motion of bodies that touch at ascending times (n,) >= 0 (s). Raises `NotModelled` if no way models the problem."""
-    for way in WAYS:
-        if (motion := way(problem, times)) is not None:
-            return motion
-    raise NotModelled("such a motion of bodies that touch (docs/truth.md lists those that it models)")
+    """The motion of bodies on a plane at ascending times (n,) >= 0 (s). Raises `NotModelled` if no way models the problem."""
+    if (motion := _on_plane(problem, times)) is None:
+        raise NotModelled(NO_WAY)
+    return motion
+
+
+def motion_of(scene: AnyScene, times: Array) -> ContactMotion:
+    """The motion of bodies that touch at ascending times (n,) >= 0 (s). Raises `NotModelled` if no way models the scene."""
+    motion = None if scene.plane is None else _on_plane(problem_of(scene), times)
+    if motion is None and isinstance(scene, Mechanism):
+        motion = way_of_spheres.motion(scene, times)
+    if motion is None:
+        raise NotModelled(NO_WAY)
+    return motion
+
+
+def _on_plane(problem: Problem, times: Array) -> ContactMotion | None:
+    return next((motion for way in WAYS if (motion := way(problem, times)) is not None), None)
 
 
 @functools.lru_cache(maxsize=8)
@@ -57,9 +77,9 @@ def ends(scene: AnyScene, duration: float) -> ContactMotion:
 
     An engine's run of the scene needs two of its results: the friction that prevents slip, and the loads between bodies at
     rest. The result is cached, so that a process that runs the scene with many methods computes it once. Raises `NotModelled`
-    as `contact_motion` does.
+    as `motion_of` does.
     """
-    return contact_motion(problem_of(scene), np.array([0.0, duration]))
+    return motion_of(scene, np.array([0.0, duration]))
 
 
 def finite(scene: AnyScene, duration: float) -> AnyScene:
@@ -67,13 +87,13 @@ def finite(scene: AnyScene, duration: float) -> AnyScene:
 
     duration: of the run (s). Raises `NotModelled` as `ends` does.
     """
-    if not touches(scene) or scene.plane is None:
+    if not touches(scene):
         return scene
     contacts = scene.contacts if isinstance(scene, Mechanism) else ()
-    if not any(map(math.isinf, (scene.plane.friction, *(pair.friction for pair in contacts)))):
+    if not any(math.isinf(law.friction) for law in (scene.plane, *contacts) if law is not None):
         return scene
     smallest = ends(scene, duration).friction
-    plane = replace(scene.plane, friction=_finite(scene.plane.friction, smallest))
+    plane = None if scene.plane is None else replace(scene.plane, friction=_finite(scene.plane.friction, smallest))
     if not isinstance(scene, Mechanism):
         return replace(scene, plane=plane)
     limited = tuple(replace(pair, friction=_finite(pair.friction, smallest)) for pair in contacts)

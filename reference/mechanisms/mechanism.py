@@ -157,7 +157,7 @@ class Loop:
 
 @dataclass(frozen=True)
 class PairContact:
-    """The contact of two bodies with each other, if it differs from their contact with the plane.
+    """The contact of two bodies with each other, if there is no plane or it differs from their contact with the plane.
 
     Attributes
     ----------
@@ -185,9 +185,10 @@ class Mechanism:
     gravity
         Magnitude of the gravitational acceleration, along -z (m/s^2).
     plane
-        The plane that bodies lie on or fall on; None if there is no plane and bodies pass through each other.
+        The plane that bodies lie on or fall on; None if there is no plane. Without a plane, only the pairs of `contacts` touch,
+        and all other bodies pass through each other.
     contacts
-        The pairs whose friction and restitution differ from those of the plane.
+        The pairs whose friction and restitution differ from those of the plane; without a plane, all pairs that touch.
     pushes
         Constant forces on bodies.
     controllers
@@ -208,9 +209,9 @@ class Mechanism:
 
     @property
     def conserves(self) -> bool:
-        """True if energy is conserved, since there is no damping, dry friction, stop, controller, plane or push."""
+        """True if energy is conserved: there is no damping, dry friction, stop, controller, plane, contact or push."""
         loses = any(joint.damping or joint.friction or joint.stops for joint in self.joints)
-        return not (loses or self.plane is not None or self.pushes or self.controllers)
+        return not (loses or self.plane is not None or self.contacts or self.pushes or self.controllers)
 
     @property
     def driven(self) -> tuple[int, ...]:

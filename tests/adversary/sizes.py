@@ -4,8 +4,8 @@ import os
 from itertools import pairwise
 
 #: Case files to load, of which the accepted ones get a truth; case files to run; folders and baselines to damage; kills;
-#: truths to judge, of mechanisms with dry friction, trees as robots have them, driven mechanisms, sensors of trees, and
-#: bodies that touch.
+#: truths to judge, of mechanisms with dry friction, trees as robots have them, driven mechanisms, sensors of trees,
+#: bodies that touch, and spheres that hit each other.
 DEFAULTS = {
     "FILES": 100_000,
     "RUNS": 2_000,
@@ -16,6 +16,7 @@ DEFAULTS = {
     "DRIVEN": 200,
     "SENSORS": 200,
     "CONTACTS": 500,
+    "IMPACTS": 300,
 }
 
 #: The seed of the first attack.

@@ -234,3 +234,21 @@ def test_no_body_has_the_name_of_the_plane(contact: str) -> None:
         read(BALLS.replace('"box"', '"plane"') + contact)
     (fault,) = refused.value.faults
     assert (fault.key, fault.message) == ("bodies[3].name", "read 'plane'; is the name of the plane; give the body another one")
+
+
+def test_pairs_touch_without_a_plane_and_then_say_all() -> None:
+    pair = '[[scene.contacts]]\nbodies = ["ball-*", "box"]\nfriction = "no-slip"\nrestitution = 0.5\n'
+    assert bodies(pair).contacts == (PairContact((0, 2), math.inf, 0.5), PairContact((1, 2), math.inf, 0.5))
+    assert bodies(pair).plane is None
+    assert faults(BALLS + '[[scene.contacts]]\nbodies = ["ball-1", "ball-2"]\nfriction = 0.5\n') == [
+        "scene.contacts[1].restitution: is missing; without a plane it has no default"
+    ]
+    assert faults(BALLS + pair.replace('"box"', '"plane"')) == [
+        "scene.contacts[1].bodies[2]: read 'plane'; there is no such body; allowed: ball-1, ball-2, box"
+    ]
+
+
+def test_bodies_on_joints_touch_nothing() -> None:
+    joint = '[[joints]]\nname = "pin"\ntype = "spherical"\nchild = "box"\n'
+    pair = '[[scene.contacts]]\nbodies = ["ball-1", "box"]\nfriction = 0.5\nrestitution = 0.0\n'
+    assert faults(BALLS + pair + joint) == ["scene.contacts: bodies on joints touch nothing; allowed: contacts, or joints"]

@@ -42,7 +42,7 @@ def motion(text: str, instants: Sequence[Decimal]) -> Motion:
     radius = exact(body.table["radius"])
     axis = 0 if body.table["shape"] == "sphere" else 2
     ratio = body.inertia.tensor[axis][axis] / (body.inertia.mass * radius * radius)
-    laws = _Laws(body, radius, ratio)
+    laws = Laws(body, radius, ratio)
     position, velocity, spin, turn = body.position, body.velocity, body.spin, body.turn
     touching = lying(body, radius)
     if touching:
@@ -96,7 +96,7 @@ def _across(body: OnPlane, velocity: Vector, spin: Vector) -> tuple[Vector, Vect
 
 
 @dataclass(frozen=True)
-class _Laws:
+class Laws:
     body: OnPlane
     radius: Decimal
     ratio: Decimal

@@ -14,6 +14,8 @@ from tests.judge import (
     contact_scenes,
     driven,
     driven_scenes,
+    impact_scenes,
+    impacts,
     jointed,
     maximal,
     mechanism_scenes,
@@ -97,6 +99,20 @@ def test_readings_of_sensors_of_a_few_trees_hold(seed: int, tmp_path: Path) -> N
     verdict = judged(sensor_scenes.judge, seed, 1, tmp_path)[0]
     assert not verdict.broken
     assert not verdict.refused
+
+
+def test_truths_of_a_few_spheres_that_hit_each_other_hold(tmp_path: Path) -> None:
+    verdicts = judged(impact_scenes.judge, 0, 3 * len(impact_scenes.FAMILIES), tmp_path)
+    assert not [str(each) for each in verdicts if each.broken]
+    assert sum(bool(each.refused) for each in verdicts) <= 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("first", "count"), batches("IMPACTS"))
+def test_truths_of_spheres_that_hit_each_other_hold(first: int, count: int, tmp_path: Path) -> None:
+    verdicts = judged(impact_scenes.judge, first, count, tmp_path)
+    assert not [str(each) for each in verdicts if each.broken]
+    assert sum(bool(each.refused) for each in verdicts) <= 5 + count / 10
 
 
 @pytest.mark.slow
@@ -253,6 +269,21 @@ def test_the_judge_knows_the_ball_that_begins_to_roll() -> None:
     assert _near(time, Decimal(2) / 7)
     assert _near(motion.states[1].velocity[0], Decimal(10) / 7)
     assert _near(motion.states[1].spin[1], Decimal(80) / 7)
+
+
+def test_the_judge_knows_the_impact_that_exchanges_velocities() -> None:
+    """A sphere that hits one of the same mass head-on, without loss, stops, and the other one goes on."""
+    ball = {"shape": "sphere", "radius": 0.125, "mass": 2.0}
+    starts = {"position": [0.0, 0.0, 0.0], "velocity": [2.0, 0.0, 0.0]}, {"position": [1.25, 0.0, 0.0]}
+    names = "one", "other"
+    pair = {"bodies": list(names), "friction": 0.5, "restitution": 1.0}
+    bodies = [{"name": name, **ball, "initial": start} for name, start in zip(names, starts, strict=True)]
+    text = written({"bodies": bodies, "scene": {"contacts": [pair]}, "run": {"duration": 1.0, "samples": 2}})
+    one, other = impacts.motions(text, [Decimal(0), Decimal(1)])
+    assert one.events == other.events
+    assert _near(one.events[0][1], Decimal("0.5"))
+    assert all(map(_near, one.states[1].velocity, (ZERO, ZERO, ZERO)))
+    assert all(map(_near, other.states[1].velocity, (Decimal(2), ZERO, ZERO)))
 
 
 def test_the_judge_knows_slips_across_their_drive() -> None:

@@ -173,8 +173,11 @@ def _of_loop(loop: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Pa
 def _of_surroundings(document: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:
     yield from surroundings_faults(document, names)
     scene = mapping(document.get("scene"))
-    if "plane" in scene and (document.get("joints") or "model" in document):
-        yield ("scene", "plane"), "bodies on joints touch nothing; allowed: a plane, or joints"
+    if document.get("joints") or "model" in document:
+        if "plane" in scene:
+            yield ("scene", "plane"), "bodies on joints touch nothing; allowed: a plane, or joints"
+        elif "contacts" in scene:
+            yield ("scene", "contacts"), "bodies on joints touch nothing; allowed: contacts, or joints"
     for index, push in enumerate(tables_of(scene, "push", MAX_PUSHES)):
         if "body" not in push and len(names) > 1:
             yield ("scene", "push", index, "body"), f"is missing; allowed: {_listed(names)}"

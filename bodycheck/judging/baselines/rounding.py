@@ -111,7 +111,6 @@ def nudged_contacts(scene: AnyScene, trajectory: Trajectory, amount: float, rand
     random
         The generator of random directions.
     """
-    assert scene.plane is not None
     along = _direction(scene.plane, random) * amount * largest(trajectory.position)
     faster = 1.0 + amount * random.choice([-1.0, 1.0])
 
@@ -133,8 +132,11 @@ def nudged_contacts(scene: AnyScene, trajectory: Trajectory, amount: float, rand
     return replace(scene, initial=moved)
 
 
-def _direction(plane: Plane, random: np.random.Generator) -> Array:
-    """Return a random unit vector along the plane."""
+def _direction(plane: Plane | None, random: np.random.Generator) -> Array:
+    """Return a random unit vector along the plane, or in any direction if there is none."""
+    if plane is None:
+        anywhere = random.normal(size=3)
+        return np.asarray(anywhere / np.linalg.norm(anywhere))
     angle, downhill = random.uniform(0.0, 2 * np.pi), np.array([np.cos(plane.incline), 0.0, -np.sin(plane.incline)])
     direction: Array = np.cos(angle) * downhill + np.sin(angle) * np.array([0.0, 1.0, 0.0])
     return direction
@@ -152,7 +154,7 @@ def nudged(case: Case, run: Run, seed: int) -> Case:
 
     Each part of the state is moved relative to its largest absolute value in the run. On a plane the body stays flat. In a
     mechanism, each coordinate and velocity of a joint and each part of the state of a free body is moved. Bodies in contact are
-    moved together, along the plane.
+    moved together, along the plane if there is one.
 
     Parameters
     ----------

@@ -70,6 +70,8 @@ SUBJECTS: Mapping[str, Callable[[Case, Truth], Known | None]] = {
     "impact_time_error": _time("impact"),
     "impact_speed_error": _speed_after("impact"),
     "bounce_ratio_error": _restitution,
+    "impact_energy_error": _ideal,
+    "impact_momentum_error": _ideal,
     "rest_time_error": _time("rest"),
     "creep": _ideal,
     "penetration": _ideal,

@@ -129,13 +129,14 @@ def _far(scene: AnyScene, trajectory: Trajectory, truth: Truth, longest: float) 
 
 def _of_touching(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
     """Yield the symptoms of bodies that touch: penetration of the plane, and gain of energy."""
-    for body, motion in zip(touching(scene), motions(scene, trajectory), strict=True):
+    for body, motion in zip(touching(scene), motions(scene, trajectory), strict=scene.plane is not None):
         if (deepest := depth(body, motion).max()) > POSITION_LOST_FRACTION * _size(scene, trajectory):
             yield Symptom("inaccurate", f"sinks {deepest:.3g} m into the plane")
             break
     gain = gained(scene, trajectory).max() / (float(energy_from_plane(scene, trajectory)[0]) or 1.0)
     if gain > ENERGY_CHANGE_LIMIT:
-        yield Symptom("energy-gain", f"energy up by {gain:.3g} of the initial one, which is counted from the plane")
+        counted = "" if scene.plane is None else ", which is counted from the plane"
+        yield Symptom("energy-gain", f"energy up by {gain:.3g} of the initial one{counted}")
 
 
 def restart(scene: Scene, trajectory: Trajectory) -> str | None:
@@ -248,9 +249,14 @@ def _reach(mechanism: Mechanism, trajectory: Trajectory) -> float:
 
 
 def _size(scene: AnyScene, trajectory: Trajectory) -> float:
-    """Return the extent (m) of a touching body from its centre of mass towards the plane at the start: the largest of all."""
+    """Return the extent (m) of a touching body from its centre of mass towards the plane at the start: the largest of all.
+
+    Without a plane, the extent is that along z.
+    """
+    normal = (0.0, 0.0, 1.0) if scene.plane is None else scene.plane.normal
     first = [motion.quaternion[:1] for motion in motions(scene, trajectory)]
-    return max(float(reach(body.shape, turn, body.normal)[0]) for body, turn in zip(touching(scene), first, strict=True))
+    shapes = [(body.shape, turn) for body, turn in zip(bodies(scene), first, strict=True)]
+    return max(float(reach(shape, turn, normal)[0]) for shape, turn in shapes if shape is not None)
 
 
 def rank_correlation(values: Array) -> float:

@@ -83,5 +83,13 @@ def surface(scene: AnyScene, body: int = 0) -> Surface:
     return Surface((sine, MP.mpf(0), cosine), MP.mpf(friction), MP.mpf(restitution))
 
 
+def pair_law(scene: AnyScene, pair: tuple[int, int]) -> tuple[Real, Real]:
+    """The coefficients of friction and restitution of two bodies, by their indices. The friction may be infinite."""
+    stated = [contact for contact in scene.contacts if contact.bodies == pair] if isinstance(scene, Mechanism) else []
+    law = stated[0] if stated else scene.plane
+    assert law is not None  # a scene without a plane states all pairs that touch
+    return MP.mpf(law.friction), MP.mpf(law.restitution)
+
+
 def _numbers(values: tuple[float, float, float]) -> Triple:
     return [MP.mpf(value) for value in values]

@@ -114,7 +114,7 @@ def course(body: Round, begin: Moving, airborne: bool, end: Real) -> tuple[list[
             events.append(_event(_rest_or_roll(body, moving, begin) if rolls else "slip", moving))
         arrived = True
         if rolls:
-            _advance(body, moving, body.holding, MP.inf, end, parts)
+            advance(body, moving, body.holding, MP.inf, end, parts)
             break
         moving = _slid(body, moving, end, parts)
     return parts, events
@@ -138,20 +138,20 @@ def _bounced(body: Round, moving: Moving, end: Real, parts: list[Piece], events:
     first = None
     for _ in range(MOST_IMPACTS):
         parts.append(_uniform(moving, gravity, NONE))
-        lasting = _falling(body, moving)
+        lasting = falling(body, moving)
         if lasting is None or moving.time + lasting > end:
             return None
-        landed = _after(moving, gravity, NONE, lasting)
+        landed = later(moving, gravity, NONE, lasting)
         fall = -dot(landed.velocity, normal)
         first = fall if first is None else first
         pressing = (1 + back) * fall
-        moving = struck(body, landed, pressing, _grip(body, landed, pressing))
+        moving = struck(body, landed, pressing, grip(body, landed, pressing))
         events.append(_event("impact", moving))
         rise = back * fall
         if rise <= LAST_IMPACT * first:
             rest = 2 * rise / (body.load * (1 - back)) if rise else MP.mpf(0)
             level = replace(moving, velocity=along(moving.velocity, normal))
-            return replace(_after(level, NONE, NONE, rest), held=moving.held)
+            return replace(later(level, NONE, NONE, rest), held=moving.held)
     raise OutOfReach(f"a body that bounces more than {MOST_IMPACTS} times")
 
 
@@ -161,7 +161,7 @@ def _uniform(moving: Moving, acceleration: Vector, faster: Vector) -> Piece:
     return pieces.uniform(moving.time, moving.position, moving.turn, velocity, spin)
 
 
-def _falling(body: Round, moving: Moving) -> Real | None:
+def falling(body: Round, moving: Moving) -> Real | None:
     """The time (s) after which a body in flight hits the plane; None if it does not."""
     height = dot(moving.position, body.surface.normal) - body.radius
     rise = dot(moving.velocity, body.surface.normal)
@@ -171,7 +171,7 @@ def _falling(body: Round, moving: Moving) -> Real | None:
     return height / -rise if rise < 0 else None
 
 
-def _after(moving: Moving, acceleration: Vector, faster: Vector, lasting: Real) -> Moving:
+def later(moving: Moving, acceleration: Vector, faster: Vector, lasting: Real) -> Moving:
     """A body after a time (s) in which it moves as in `_uniform`."""
     path = plus(scaled(moving.velocity, lasting), scaled(acceleration, lasting * lasting / 2))
     axis = moving.spin if norm(moving.spin) else faster
@@ -194,7 +194,7 @@ def stopping(body: Round, moving: Moving) -> Vector:
     return scaled(slip(body, moving), -1 / (1 + body.lever))
 
 
-def _grip(body: Round, moving: Moving, pressing: Real) -> Vector:
+def grip(body: Round, moving: Moving, pressing: Real) -> Vector:
     """The impulse along the plane over the mass (m/s) in an impact, from the impulse along the normal over the mass."""
     needed = stopping(body, moving)
     allowed, size = body.surface.friction * pressing, norm(needed)
@@ -220,16 +220,16 @@ def _slid(body: Round, moving: Moving, end: Real, parts: list[Piece]) -> Moving 
     slipping: Vector = NONE if moving.held else slip(body, moving)
     size, steep = norm(slipping), norm(body.pull)
     if not body.braking:
-        return _advance(body, moving, NONE, MP.inf, end, parts)
+        return advance(body, moving, NONE, MP.inf, end, parts)
     if norm(cross(slipping, body.pull)) > ROUNDED * size * steep:
         return _curved(body, moving, end, parts)
     direction = scaled(slipping, 1 / size) if size else scaled(body.pull, 1 / steep)
     faster = dot(body.pull, direction) - (1 + body.lever) * body.braking
     lasting = size / -faster if size and faster < 0 else MP.inf
-    return _advance(body, moving, scaled(direction, -body.braking), moving.time + lasting, end, parts)
+    return advance(body, moving, scaled(direction, -body.braking), moving.time + lasting, end, parts)
 
 
-def _advance(body: Round, moving: Moving, friction: Vector, until: Real, end: Real, parts: list[Piece]) -> Moving | None:
+def advance(body: Round, moving: Moving, friction: Vector, until: Real, end: Real, parts: list[Piece]) -> Moving | None:
     """Append the steps until `until`, or at least `end` (s), in which friction is a constant acceleration (m/s^2).
 
     Returns the body at `until`, when it no longer slips; None if `until` is after `end`.
@@ -238,7 +238,7 @@ def _advance(body: Round, moving: Moving, friction: Vector, until: Real, end: Re
     faster = scaled(cross(body.surface.normal, friction), -body.lever / body.radius)
     if norm(cross(moving.spin, faster)) <= ROUNDED * norm(moving.spin) * norm(faster):
         parts.append(_uniform(moving, acceleration, faster))
-        return replace(_after(moving, acceleration, faster, until - moving.time), held=True) if until <= end else None
+        return replace(later(moving, acceleration, faster, until - moving.time), held=True) if until <= end else None
     last, share = min(until, end), MP.mpf(1)
     for _ in range(MOST_STEPS):
         if last - moving.time <= ROUNDED * last:

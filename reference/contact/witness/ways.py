@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from bodycheck.reference.contact.witness import balls, blocks, coins, dropped, leaning, pushing, resting
+from bodycheck.reference.contact.witness import balls, blocks, coins, colliding, dropped, leaning, pushing, resting
 from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
@@ -21,13 +21,15 @@ FAMILIES: tuple[Family, ...] = (
     dropped.second,
     resting.second,
     pushing.second,
+    colliding.second,
 )
 
 
 def second(scene: AnyScene, times: Array) -> Witness | None:
-    """The witness of a scene with a plane at ascending times (n,) >= 0 (s); None if no family follows its motion."""
+    """The witness of a scene at ascending times (n,) >= 0 (s); None if no family follows its motion."""
+    families = FAMILIES if scene.plane is not None else (colliding.second,)
     try:
         with within_range("the second way"):
-            return next((witness for family in FAMILIES if (witness := family(scene, times)) is not None), None)
+            return next((witness for family in families if (witness := family(scene, times)) is not None), None)
     except (NotModelled, OutOfReach):
         return None

@@ -207,7 +207,7 @@ def test_what_does_not_rest_is_another_ways(known: Problem) -> None:
 def test_a_pair_may_have_too_little_friction() -> None:
     layers = [(f"body-{place}", CUBE, 1.0, (0.0, 0.0, 0.1 + 0.2 * place)) for place in range(2)]
     known = on_incline(0.2, *layers)
-    slippery = Problem(known.bodies, known.plane, (PairContact((0, 1), 0.1, 0.0),), known.gravity, (), known.turn)
+    slippery = Problem(known.bodies, known.plane, (PairContact((0, 1), 0.1, 0.0),), known.gravity, ())
     with pytest.raises(NotModelled, match="slide"):
         rest.motion(slippery, MINUTE)
 
