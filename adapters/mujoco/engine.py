@@ -99,7 +99,8 @@ engine = Engine(
 
 calls = CALLS
 
-interface_loads, read_robot, compiled = touching.interface_loads, robots.read_robot, robots.compiled
+interface_loads, contact_terms = touching.interface_loads, touching.contact_terms
+read_robot, compiled = robots.read_robot, robots.compiled
 step_robot = robot_steps.step_robot
 lacking, prepare_sensing = sensing.lacking, sensing.prepare_sensing
 

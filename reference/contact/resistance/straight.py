@@ -161,7 +161,7 @@ def steady(body: Resisted, start: Pose) -> Straight | None:
     exact, growth = _kept(body, ratio, MP.sign(rolling), body.downhill * _sign(direction[0]))
     if abs(exact - ratio) > NEAR * abs(ratio):
         return None
-    kept = np.array([*(wide(exact * rolling) * direction), *(wide(rolling) * direction), Wide(0)])
+    kept = np.array([*(wide(exact * rolling) * direction), *(wide(rolling) * direction), start.pivoting])
     rates = np.array([*(wide(exact * growth) * direction), *(wide(growth) * direction), Wide(0)])
     left = float(np.abs(start.velocities - kept).sum())
     return Straight(replace(start, slip=kept[:2], rolling=kept[2:4]), rates, together=True, error=left)
