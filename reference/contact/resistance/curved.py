@@ -2,9 +2,11 @@
 
 The parameter has dt/dq = D in one cone. With separate limits, it has dt/dq = |u| |p|/(|u| + |p|) while the sphere slips and
 rolls, |u| while friction keeps it from rolling, and |p| while it keeps it from slipping. The rates in q are then smooth.
+
+In one cone on a level plane, the velocities are linear combinations of exponentials of q, however fast the slip decays.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -32,8 +34,8 @@ NEWTON_STEPS = 60
 #: Indices of the parts of a state: slip, rolling velocity, pivoting velocity, position along the plane, rotation, time.
 U, P, S, X, Q, T = slice(0, 2), slice(2, 4), 4, slice(5, 7), slice(7, 11), 11
 
-#: How a sphere moves: in one cone, with separate limits in slip and roll, in slip alone, or in roll alone.
-Mode = Literal["one", "both", "slip", "roll"]
+#: How a sphere moves: in one cone, on a level plane or not, or with separate limits in slip and roll, in slip, or in roll alone.
+Mode = Literal["level", "one", "both", "slip", "roll"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +66,42 @@ class Curved:
 
 
 @dataclass(frozen=True, eq=False)
+class Decay:
+    """Velocities that decay in one cone on a level plane: sums of exponentials of the parameter.
+
+    Attributes
+    ----------
+    rates
+        Rates (3,) of three exponentials.
+    shares
+        Slip, rolling velocity and pivoting velocity (3, 5) that belong to each.
+    """
+
+    rates: WideArray
+    shares: WideArray
+
+    def velocities(self, q: WideArray) -> WideArray:
+        """Slip, rolling velocity and pivoting velocity (n, 5) at parameters (n,)."""
+        return np.asarray(np.exp(-q[:, None] * self.rates) @ self.shares)
+
+
+def _decay(velocities: WideArray, ratio: Wide, load: Wide, friction: Wide, rolling: Wide, pivoting: Wide) -> Decay:
+    """The decay of velocities (5,): u' = b p - (1 + 1/k) a u, p' = a u/k - b p, s' = -c s, without differences of equals."""
+    a, b, c = load * friction**2, load * rolling**2 / ratio, load * pivoting**2 / ratio
+    whole = a * (1 + 1 / ratio) + b
+    fast = (whole + np.sqrt(whole * whole - 4 * a * b)) / 2
+    slow = a * b / fast
+    slips = b / (a * (1 + 1 / ratio) - slow), (b - fast) * ratio / a
+    u, p = velocities[U], velocities[P]
+    fast_part = (u - slips[0] * p) / (slips[1] - slips[0])
+    shares = np.zeros((3, 5), Wide)
+    for row, (slip, part) in enumerate(zip(slips, (p - fast_part, fast_part), strict=True)):
+        shares[row, U], shares[row, P] = slip * part, part
+    shares[2, S] = velocities[S]
+    return Decay(np.array([slow, fast, c]), shares)
+
+
+@dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a sphere in the widest type, in units of a speed and of a time: see `laws`.
 
@@ -82,16 +120,26 @@ class Equations:
     turning: Wide
     twist: Wide
     stretch: Wide
+    decay: "Decay | None"
+
+    def velocities(self, states: WideArray) -> WideArray:
+        """Slip, rolling velocity and pivoting velocity (n, 5) in states (n, 12)."""
+        if self.mode == "level":
+            assert self.decay is not None  # it belongs to the mode
+            return self.decay.velocities(states[:, 0])
+        velocities = states[:, :5].copy()
+        velocities[:, U] /= self.stretch
+        return velocities
 
     def pace(self, states: WideArray) -> WideArray:
         """The rate of time (n,) in the parameter."""
-        return self._forces(states)[0]
+        return self._forces(self.velocities(states))[0]
 
-    def _forces(self, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+    def _forces(self, velocities: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
         """The rate of time (n,), and F, R (n, 2) and T (n,) times this rate."""
-        u, p, s, a = states[:, U] / self.stretch, states[:, P], states[:, S], self.load
+        u, p, s, a = velocities[:, U], velocities[:, P], velocities[:, S], self.load
         slip, roll = _lengths(u), _lengths(p)
-        if self.mode == "one":
+        if self.mode in ("level", "one"):
             pace = np.sqrt((self.friction * slip) ** 2 + (self.rolling * roll) ** 2 + (self.pivoting * s) ** 2)
             return pace, -a * self.friction**2 * u, -a * self.rolling**2 * p, -a * self.pivoting**2 * s
         if self.mode == "both" and not self.rolling:
@@ -114,14 +162,18 @@ class Equations:
 
     def rates(self, states: WideArray) -> WideArray:
         """The rates (n, 12) of states (n, 12) in the parameter."""
-        pace, force, moment, twist = self._forces(states)
+        velocities = self.velocities(states)
+        pace, force, moment, twist = self._forces(velocities)
         changed = np.zeros_like(states)
-        drive = np.stack([pace * self.downhill, np.zeros_like(pace)], axis=1)
-        rolled = (moment - force) / self.ratio
-        changed[:, P], changed[:, S] = rolled, twist / self.ratio
-        changed[:, U] = 0 if self.mode == "roll" else self.stretch * (drive + force - rolled)
-        changed[:, X] = pace[:, None] * (states[:, U] / self.stretch + states[:, P])
-        a, b, c = (pace * self.turning / 2) * np.stack([-states[:, 3], states[:, 2], states[:, S]])
+        if self.mode == "level":
+            changed[:, 0] = 1
+        else:
+            drive = np.stack([pace * self.downhill, np.zeros_like(pace)], axis=1)
+            rolled = (moment - force) / self.ratio
+            changed[:, P], changed[:, S] = rolled, twist / self.ratio
+            changed[:, U] = 0 if self.mode == "roll" else self.stretch * (drive + force - rolled)
+        changed[:, X] = pace[:, None] * (velocities[:, U] + velocities[:, P])
+        a, b, c = (pace * self.turning / 2) * np.stack([-velocities[:, 3], velocities[:, 2], velocities[:, S]])
         w, x, y, z = states[:, Q].T
         turned = -(a * x + b * y + c * z), a * w + b * z - c * y, b * w + c * x - a * z, c * w + a * y - b * x
         changed[:, Q] = np.stack(turned, axis=1)
@@ -155,9 +207,9 @@ def curved(body: Resisted, start: Pose, instants: WideArray, until: Wide) -> Cur
             elif pace <= GONE * scale:
                 before = equations.pace(step.state[None])[0]
                 left = pace * step.size / np.log(before / pace)
-                pose = _vanished(equations, start, ended, speed, time, pace, left)
+                pose = _vanished(equations, _pose(equations, start, ended, speed, time), left * time, pace * speed)
                 slowing = float(pace * speed / (left * time))
-            elif mode == "one" and steady(body, after := _pose(equations, start, ended, speed, time)) is not None:
+            elif body.one and steady(body, after := _pose(equations, start, ended, speed, time)) is not None:
                 pose = after
             if pose is not None:
                 break
@@ -165,9 +217,7 @@ def curved(body: Resisted, start: Pose, instants: WideArray, until: Wide) -> Cur
         raise OutOfReach(f"a sphere with rolling or torsional friction: {reason}") from reason
     assert pose is not None  # `steps` is endless
     known = rows[:row]
-    velocities = speed * known[:, :5]
-    velocities[:, U] /= equations.stretch
-    velocity, spin = velocity_and_spin(wide(body.radius), velocities)
+    velocity, spin = velocity_and_spin(wide(body.radius), speed * equations.velocities(known))
     position = np.tile(start.position, (row, 1))
     position[:, :2] += speed * time * known[:, X]
     return Curved(position, velocity, spin, normalise(known[:, Q]), pose, error * float(speed), slowing)
@@ -176,7 +226,7 @@ def curved(body: Resisted, start: Pose, instants: WideArray, until: Wide) -> Cur
 def _mode(body: Resisted, start: Pose) -> Mode:
     slips, rolls = bool(start.slip.any()), bool(start.rolling.any())
     if body.one:
-        return "one"
+        return "one" if body.downhill else "level"
     if slips and (rolls or not body.rolling):
         return "both"
     if slips and body.friction <= body.rolling:
@@ -195,11 +245,13 @@ def _equations(body: Resisted, start: Pose, mode: Mode, speed: Wide) -> tuple[Eq
     ratio, downhill, friction, rolling, pivoting, load = numbers
     turning = speed * time / wide(body.radius)
     twist, stretch = np.sign(start.pivoting), max(Wide(1), (friction / rolling) ** 2) if mode == "one" else Wide(1)
-    return Equations(mode, ratio, downhill / rate, friction, rolling, pivoting, load / rate, turning, twist, stretch), time
+    decay = _decay(start.velocities / speed, ratio, load / rate, friction, rolling, pivoting) if mode == "level" else None
+    numbers = ratio, downhill / rate, friction, rolling, pivoting, load / rate, turning, twist, stretch
+    return Equations(mode, *numbers, decay), time
 
 
 def _state(equations: Equations, start: Pose, speed: Wide) -> WideArray:
-    velocities = start.velocities / speed
+    velocities = start.velocities / speed * (0 if equations.mode == "level" else 1)
     velocities[U] *= equations.stretch
     return np.concatenate([velocities, np.zeros(2, Wide), start.turn, np.zeros(1, Wide)])
 
@@ -208,24 +260,21 @@ def _pose(equations: Equations, start: Pose, state: WideArray, speed: Wide, time
     """The sphere in a state of a leg, which is in its units."""
     position = start.position.copy()
     position[:2] += speed * time * state[X]
-    velocities = speed * state[:5]
-    velocities[U] /= equations.stretch
+    velocities = speed * equations.velocities(state[None])[0]
     turn = normalise(state[None, Q])[0]
-    return Pose(start.time + time * state[T], position, turn, velocities[:2], velocities[2:4], velocities[4])
+    return Pose(start.time + time * state[T], position, turn, velocities[U], velocities[P], velocities[S])
 
 
-def _vanished(
-    equations: Equations, start: Pose, state: WideArray, speed: Wide, time: Wide, pace: Wide, left: Wide
-) -> Pose:
-    """The sphere when a velocity has vanished. pace, left: the rate of time, and the time until then, in units of the leg."""
-    state = state.copy()
-    state[T] += left
-    if equations.mode == "one":
-        state[:5] = [0, 0, 0, 0, 0 if equations.pivoting else state[S]]
-    for part in (U, P):
-        if _lengths(state[None, part])[0] <= 4 * pace:
-            state[part] = 0
-    return _pose(equations, start, state, speed, time)
+def _vanished(equations: Equations, pose: Pose, left: Wide, least: Wide) -> Pose:
+    """The sphere when a velocity has vanished, from that just before. left: the time until then (s). least: see `GONE`, m/s."""
+    none, later = np.zeros(2, Wide), replace(pose, time=pose.time + left)
+    if equations.mode in ("level", "one"):
+        return replace(later, slip=none, rolling=none, pivoting=Wide(0) if equations.pivoting else pose.pivoting)
+    return replace(
+        later,
+        slip=none if np.hypot(*pose.slip) <= 4 * least else pose.slip,
+        rolling=none if np.hypot(*pose.rolling) <= 4 * least else pose.rolling,
+    )
 
 
 def _at(equations: Equations, step: Step, times: WideArray) -> WideArray:
