@@ -1,7 +1,7 @@
 """Motions of a sphere with rolling and torsional friction as power series, step by step.
 
 The velocities are the slip u, the rolling velocity p = r w x n and the pivoting velocity s = r w n, along two directions of the
-plane. The part of a step is the parameter, and each velocity is in units of its size at the start of the step. The pace of time
+plane. The part of a step is the parameter, and each velocity is in units of its size at the start of the step, if it is not zero. The pace of time
 is the product of the sizes of slip and rolling velocity, or the size of that which friction does not keep at zero; in one cone
 it is the size of all velocities with their coefficients. No velocity vanishes then in a finite number of steps, and all
 equations are polynomials.
@@ -28,7 +28,7 @@ KEPT = MP.mpf(10) ** -19
 ASIDE = MP.mpf(10) ** -12
 
 #: The largest relative change of a velocity in a step, and the largest number of steps.
-STEP, MOST = 3, 4000
+STEP, MOST = 3, 1500
 
 Pair = tuple[Real, Real]
 
@@ -248,6 +248,8 @@ def _step(flow: Flow, moving: Moving, share: Real, until: Real, parts: list[Piec
     """Append a step, and return the sphere at its end; None if the step is too large."""
     u, p, s = MP.hypot(*flow.slipping), MP.hypot(*flow.turning), abs(flow.pivoting)
     step = share * _length(flow, u, p)
+    if flow.one:  # a velocity that is zero grows, in units of the others
+        u, p, s = (each or u + p + s for each in (u, p, s))
     grown = _series(flow, u, p, s, step)
     last = moving.time + step * series.real(sum(grown.pace)) - until
     converged = series.converged([*grown.slip, *grown.turn, grown.pivot, grown.pace])
@@ -298,7 +300,7 @@ def _length(flow: Flow, u: Real, p: Real) -> Real:
 
 
 def _series(flow: Flow, u: Real, p: Real, s: Real, step: Real) -> _Growing:
-    """The series of the velocities in a step. u, p, s: their sizes at its start."""
+    """The series of the velocities in a step. u, p, s: their units, which are their sizes at its start."""
     mu, rolling, torsional = flow.coefficients
     load, lever, pull = flow.body.load, flow.body.lever, norm(flow.body.pull)
     slip = tuple([series.fixed(each / u if u else u)] for each in flow.slipping)
