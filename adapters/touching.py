@@ -14,9 +14,9 @@ from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.exact import nearest_inertia
-from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, PairContact, shape_of
 from bodycheck.reference.planar import describe_shape, planar_state
-from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Push, Scene, Shape, State, Vector
+from bodycheck.reference.scene import Body, Brick, Cone, Cylinder, Plane, Push, Scene, Shape, State, Vector
 from bodycheck.reference.trajectory import Array
 
 
@@ -52,11 +52,22 @@ class Boxes(Protocol):
 
 @dataclass(frozen=True)
 class Law:
-    """The contact law of a pair of bodies: their indices, the lower one first, which may be `WORLD`, and the coefficients."""
+    """The contact law of a pair of bodies: their indices, the lower one first, which may be `WORLD`, and the coefficients.
+
+    `rolling_friction` and `torsional_friction` are in m, and `cone` is as in `scene.Plane`.
+    """
 
     bodies: tuple[int, int]
     friction: float
     restitution: float
+    rolling_friction: float = 0.0
+    torsional_friction: float = 0.0
+    cone: Cone = "product"
+
+    @property
+    def resists(self) -> bool:
+        """Return whether the pair has rolling or torsional friction."""
+        return self.rolling_friction > 0 or self.torsional_friction > 0
 
 
 def touching_bodies(scene: AnyScene) -> tuple[TouchingBody, ...]:
@@ -99,8 +110,13 @@ def laws(scene: AnyScene) -> tuple[Law, ...]:
     a plane", the first law counts for no pair: only the pairs of the other laws touch.
     """
     pairs = scene.contacts if isinstance(scene, Mechanism) else ()
-    usual = Law((WORLD, WORLD), *((0.0, 0.0) if scene.plane is None else (scene.plane.friction, scene.plane.restitution)))
-    return usual, *(Law(pair.bodies, pair.friction, pair.restitution) for pair in pairs)
+    usual = Plane() if scene.plane is None else scene.plane
+    return _law((WORLD, WORLD), usual), *(_law(pair.bodies, pair) for pair in pairs)
+
+
+def _law(bodies: tuple[int, int], given: Plane | PairContact) -> Law:
+    coefficients = given.friction, given.restitution, given.rolling_friction, given.torsional_friction
+    return Law(bodies, *coefficients, given.cone)
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,8 @@ class Requirements:
         infinite, so that nothing slips.
     drag
         Whether drag acts on a body that moves.
+    rolling_friction, torsional_friction
+        Whether a moment along the plane, or about its normal, brakes the rotation of the body.
     pushes
         Whether constant forces act on the body.
     degrees_of_freedom
@@ -65,6 +67,8 @@ class Requirements:
     restitution: bool = False
     rolling: bool = False
     pushes: bool = False
+    rolling_friction: bool = False
+    torsional_friction: bool = False
 
     @property
     def kind(self) -> Kind:
@@ -76,7 +80,7 @@ class Requirements:
         return "translation" if self.rotation == "none" else "turning"
 
     def names(self) -> tuple[str, ...]:
-        """The names of the fields that state a required effect."""
+        """The names of the required effects, which are those of their fields."""
         kinds = (
             "gravity",
             "translation",
@@ -86,10 +90,12 @@ class Requirements:
             "incline",
             "restitution",
             "rolling",
+            "rolling friction",
+            "torsional friction",
             "drag",
             "pushes",
         )
-        return tuple(kind for kind in kinds if getattr(self, kind) not in (False, "none"))
+        return tuple(kind for kind in kinds if getattr(self, kind.replace(" ", "_")) not in (False, "none"))
 
 
 @dataclass(frozen=True)
@@ -102,7 +108,7 @@ class MechanismRequirements:
         The names of the effects: "mechanisms", "gravity", the `effect` of the type of each joint, "armature", "joint damping",
         "joint springs", "joint friction", "joint efforts", "mimic joints", "controllers", "rigid stops", "elastic stops",
         "stops that cease to act", "loops", "point masses" where a body with a mass has a moment of zero, "massless bodies",
-        "contacts" where bodies touch, "contacts without a plane", and "pushes".
+        "contacts" where bodies touch, "contacts without a plane", "rolling friction", "torsional friction", and "pushes".
     degrees_of_freedom
         Number of velocities of its joints and free bodies without those of joints that follow others. The velocities that loops
         take away are not subtracted.
@@ -133,6 +139,8 @@ def requirements(scene: Scene) -> Requirements:
             restitution=not flat and bool(scene.plane.restitution),
             rolling=not flat or rough,
             pushes=bool(scene.pushes),
+            rolling_friction=scene.plane.rolling_friction > 0,
+            torsional_friction=scene.plane.torsional_friction > 0,
         )
     translation = bool(scene.gravity) or any(scene.initial.velocity) or bool(scene.pushes)
     rotation = symmetry(scene.body.moments) if any(scene.initial.angular_velocity) else "none"
@@ -171,6 +179,8 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
         "massless bodies": not all(nearest_inertia(body).mass for body in mechanism.bodies),
         "contacts": touches(mechanism),
         "contacts without a plane": touches(mechanism) and mechanism.plane is None,
+        "rolling friction": any(law.rolling_friction for law in mechanism.contact_laws),
+        "torsional friction": any(law.torsional_friction for law in mechanism.contact_laws),
         "pushes": bool(mechanism.pushes),
     }
     free = sum(joint is None for joint in mechanism.joint_of)
@@ -200,14 +210,15 @@ def touches(scene: AnyScene) -> bool:
     """Return whether the motion is computed by `contact`.
 
     `contact` computes mechanisms with a plane or with pairs that touch, and a single body on a plane without drag, except a
-    body that lies flat on a level plane with finite friction and without pushes.
+    body that lies flat on a level plane with finite friction, without rolling or torsional friction and without pushes.
     """
     if isinstance(scene, Mechanism):
         return scene.plane is not None or bool(scene.contacts)
     if scene.plane is None or scene.drag:
         return False
     needed = requirements(scene)
-    return needed.incline or needed.rolling or needed.pushes
+    moments = needed.rolling_friction or needed.torsional_friction
+    return needed.incline or needed.rolling or moments or needed.pushes
 
 
 def slides(scene: AnyScene) -> TypeGuard[Scene]:

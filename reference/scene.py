@@ -104,6 +104,10 @@ class State:
     angular_velocity: Vector = (0.0, 0.0, 0.0)
 
 
+#: The set of the forces and moments of friction at a point of contact; see `Plane`.
+Cone = Literal["product", "one"]
+
+
 @dataclass(frozen=True)
 class Plane:
     """A plane through the origin with Coulomb friction: the plane z = 0, or this plane turned about y.
@@ -122,6 +126,10 @@ class Plane:
         The angle by which z = 0 is turned about y (rad): x points downhill.
     restitution
         Coefficient of restitution e: the ratio of the normal velocities after and before an impact.
+    rolling_friction, torsional_friction
+        The largest moments along the plane and about its normal, over the normal force (m).
+    cone
+        Whether friction and each of these moments have limits of their own ("product"), or one that they share ("one").
     """
 
     friction: float = 0.0
@@ -129,6 +137,9 @@ class Plane:
     pressure: Literal["uniform", "balanced"] = "uniform"
     incline: float = 0.0
     restitution: float = 0.0
+    rolling_friction: float = 0.0
+    torsional_friction: float = 0.0
+    cone: Cone = "product"
 
     @property
     def normal(self) -> Vector:

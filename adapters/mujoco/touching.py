@@ -5,6 +5,9 @@ y. All geoms have the friction of the scene's plane: MuJoCo uses the larger coef
 for every pair. Pairs with other coefficients are elements `pair`, which replace the contacts that MuJoCo finds itself. A pair
 without friction has contacts of one dimension. The options of the module `contact` apply to all pairs.
 
+A pair with rolling friction has contacts of six dimensions, and one with torsional friction alone has contacts of four. Both
+coefficients are lengths, as MuJoCo's are.
+
 MuJoCo has no coefficient of restitution. The fraction of its velocity with which a body rebounds follows from the stiffness and
 the damping of the contact, which by default do not depend on the scene. The option `restitution=solref` chooses both for each
 pair that has a coefficient, such that a point that hits a fixed plane without gravity rebounds with this fraction: see
@@ -30,14 +33,19 @@ from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.adapters.mujoco.models import Force, compiled_model, geometry
 from bodycheck.adapters.mujoco.stepping import Stepper, external_force, refuse_warnings
-from bodycheck.adapters.touching import Pushed, TouchingBody, laws, switches, touching_bodies
+from bodycheck.adapters.touching import Law, Pushed, TouchingBody, laws, switches, touching_bodies
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.scene import Push
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that MuJoCo models, of which restitution is an approximation.
-MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts", "contacts without a plane"})
+MODELS = frozenset(
+    {
+        *("incline", "restitution", "rolling", "rolling friction", "torsional friction", "pushes", "contacts"),
+        "contacts without a plane",
+    }
+)
 
 #: The number of steps that a bounce lasts with `restitution=solref`. A shorter bounce is not resolved, a longer one is softer.
 STEPS_OF_A_BOUNCE = 20
@@ -150,10 +158,7 @@ def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) ->
     if "multiccd" in chosen:
         ElementTree.SubElement(element, "flag", multiccd=chosen["multiccd"])
     usual, *others = laws(scene)
-    rolling = contact.TORSION_AND_ROLLING_FRICTION_M
-    law_of_plane = law_written(usual.friction, usual.restitution, method) | {
-        "friction": numbers_written(usual.friction, *rolling)
-    }
+    law_of_plane = law_written(usual, method) | {"friction": numbers_written(usual.friction, *moments(usual))}
     alone = {"contype": "0", "conaffinity": "0"}
     ElementTree.SubElement(ElementTree.SubElement(root, "default"), "geom", law_of_plane if scene.plane else alone)
     world = ElementTree.SubElement(root, "worldbody")
@@ -166,8 +171,9 @@ def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) ->
         pairs = ElementTree.SubElement(root, "contact")
         for law in others:
             one, other = map(geom_name, law.bodies)
-            sliding = numbers_written(law.friction, law.friction, rolling[0], rolling[1], rolling[1])
-            touching = law_written(law.friction, law.restitution, method) | {"friction": sliding}
+            torsional, rolling = moments(law)
+            sliding = numbers_written(law.friction, law.friction, torsional, rolling, rolling)
+            touching = law_written(law, method) | {"friction": sliding}
             ElementTree.SubElement(pairs, "pair", {"geom1": one, "geom2": other} | touching)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode")
@@ -207,26 +213,52 @@ def check_options(scene: AnyScene, method: Method) -> None:
             raise SceneUnsupported(f"restitution=solref: its damping is not resolved by the steps of a bounce for {least}")
 
 
-def law_written(friction: float, restitution: float, method: Method) -> dict[str, str]:
-    """Return the attributes of a geom or a pair with these coefficients, except the attributes of friction."""
+def moments(law: Law) -> tuple[float, float]:
+    """Return the coefficients of torsional and of rolling friction (m) of a pair.
+
+    They are those of MuJoCo's defaults for a pair that has neither, whose contacts use them only where `condim` says so.
+    """
+    return (law.torsional_friction, law.rolling_friction) if law.resists else contact.TORSION_AND_ROLLING_FRICTION_M
+
+
+def dimensions(law: Law) -> str | None:
+    """Return the dimensions of a contact with rolling friction (6) or with torsional friction alone (4); else None."""
+    return "6" if law.rolling_friction else "4" if law.torsional_friction else None
+
+
+def law_written(law: Law, method: Method) -> dict[str, str]:
+    """Return the attributes of a geom or a pair with a law, except the attributes of friction.
+
+    Raises `SceneUnsupported` if MuJoCo would silently change its friction or its rolling friction.
+    """
     chosen = dict(method.options)
-    attributes = {"condim": contact.dimensions(friction, chosen)}
+    if 0 < law.rolling_friction < contact.MUJOCO_MIN_FRICTION:
+        raise SceneUnsupported(
+            f"a rolling friction of {law.rolling_friction:g} m; the least is {contact.MUJOCO_MIN_FRICTION:g} m"
+        )
+    needed = dimensions(law)
+    attributes = {"condim": contact.dimensions(law.friction, chosen if needed is None else {"condim": needed} | chosen)}
     attributes |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}
-    if "restitution" in chosen and restitution:
-        stiffness, damping = bounce(restitution, method.timestep)
+    if "restitution" in chosen and law.restitution:
+        stiffness, damping = bounce(law.restitution, method.timestep)
         attributes["solref"] = numbers_written(-stiffness, -damping)
     return attributes
 
 
 def contact_terms(scene: AnyScene, method: Method) -> str:
-    """Return what MuJoCo's own contacts are handed in the place of the scene's coefficients, as `ContactTerms` says."""
+    """Return what MuJoCo's own contacts are handed in the place of the scene's coefficients, as `ContactTerms` says.
+
+    MuJoCo has one elliptic cone for friction and both moments, or a pyramid within it.
+    """
     if kind_of(scene) not in ("plane", "contact"):
         return ""
     coefficients = sorted({law.restitution for law in laws(scene) if law.restitution})
     terms: list[str] = []
+    elliptic = method.option("cone") == "elliptic"
     if any(law.friction for law in laws(scene)):
-        cone = "soft friction" if method.option("cone") == "elliptic" else "soft friction in a pyramid of four sides"
+        cone = "soft friction" if elliptic else "soft friction in a pyramid of four sides"
         terms.append("no friction" if method.option("condim") == "1" else cone)
+    terms += _moment_terms([law for law in laws(scene) if law.resists], elliptic, method)
     for coefficient in coefficients:
         if "restitution" in dict(method.options):
             stiffness, damping = bounce(coefficient, method.timestep)
@@ -235,6 +267,19 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
             held = f"a spring and a damper with solref={method.option('solref') or DEFAULT_SOLREF}"
         terms.append(f"restitution {coefficient:g} as {held}")
     return "; ".join(terms)
+
+
+def _moment_terms(resisting: Sequence[Law], elliptic: bool, method: Method) -> list[str]:
+    """The cone of rolling and torsional friction, and the coefficients that MuJoCo raises to its least one."""
+    if not resisting:
+        return []
+    terms = []
+    if not (elliptic and all(law.cone == "one" for law in resisting)):
+        terms.append(f"{'one elliptic cone' if elliptic else 'a pyramid'} of friction, torsional and rolling friction")
+    raised = any(law.rolling_friction and law.torsional_friction < contact.MUJOCO_MIN_FRICTION for law in resisting)
+    if raised and method.option("condim") in (None, "6"):
+        terms.append(f"torsional friction {contact.MUJOCO_MIN_FRICTION:g} m")
+    return terms
 
 
 def bounce(restitution: float, timestep: float) -> tuple[float, float]:

@@ -37,6 +37,7 @@ from bodycheck.casefile.values import (
     Vector,
 )
 from bodycheck.figures.columns import LIMITED
+from bodycheck.reference.scene import Cone
 
 #: Version of the format of case files.
 FORMAT = 1
@@ -184,6 +185,11 @@ class PlaneTable(Table):
         default=0.0, description="turns the plane about y, so that x points downhill, rad"
     )
     restitution: Restitution = Field(default=0.0, description="ratio of the normal velocities after and before an impact")
+    rolling_friction: NonNegative = Field(default=0.0, description="largest moment along the plane over the normal force, m")
+    torsional_friction: NonNegative = Field(default=0.0, description="largest moment about the normal over the normal force, m")
+    cone: Cone | None = Field(
+        default=None, description="limits of friction and moments: each its own (product, the default), or one for all"
+    )
     law: Literal["area", "corners", "decoupled"] = Field(
         default="area", description="where it touches: the whole face, its corners, or as if slide and spin were each alone"
     )
@@ -231,6 +237,9 @@ class ContactTable(Table):
     bodies: tuple[BodyPattern, BodyPattern] = Field(description="names; plane is the plane, and * stands for any characters")
     friction: Friction | None = Field(default=None, description="as that of the plane, which is the default")
     restitution: Restitution | None = Field(default=None, description="as that of the plane, which is the default")
+    rolling_friction: NonNegative | None = Field(default=None, description="as that of the plane, which is the default, m")
+    torsional_friction: NonNegative | None = Field(default=None, description="as that of the plane, which is the default, m")
+    cone: Cone | None = Field(default=None, description="as that of the plane, which is the default")
 
 
 Pushes = Annotated[tuple[PushTable, ...], Field(max_length=MAX_PUSHES)]

@@ -4,7 +4,15 @@ from dataclasses import replace
 from typing import Protocol
 
 from bodycheck.casefile import grammar
-from bodycheck.casefile.surroundings import BODY, attitude_on, build_contacts, build_plane, build_push, position_on
+from bodycheck.casefile.surroundings import (
+    BODY,
+    attitude_on,
+    build_contacts,
+    build_plane,
+    build_push,
+    coefficients,
+    position_on,
+)
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.reference.exact.numbers import MP, Real, real
 from bodycheck.reference.exact.start import defined_scene, start
@@ -75,11 +83,11 @@ def build_scene(table: grammar.CaseTable) -> Scene:
 
 
 def _plane(table: grammar.SceneTable) -> Plane | None:
-    """Return the plane, with the friction and restitution of its contact with the body if the table states one."""
+    """Return the plane, with the coefficients and the cone of its contact with the body if the table states one."""
     plane = build_plane(table.plane)
     for pair in build_contacts(table.contacts, [BODY], plane):
         assert plane is not None  # without a plane there is no contact
-        plane = replace(plane, friction=pair.friction, restitution=pair.restitution)
+        plane = replace(plane, **coefficients(pair))
     return plane
 
 

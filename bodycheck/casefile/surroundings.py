@@ -22,6 +22,9 @@ from bodycheck.suggestion import did_you_mean, first_names
 BODY = "body"
 PLANE = "plane"
 
+#: The keys of a contact that a pair may have of its own.
+OF_PAIRS = ("friction", "restitution", "rolling_friction", "torsional_friction", "cone")
+
 
 def surroundings_faults(document: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:
     """Yield the faults between keys of the surroundings, as pairs of path and message. names: the names of the bodies.
@@ -36,8 +39,27 @@ def surroundings_faults(document: Mapping[str, Any], names: Sequence[str]) -> It
         if "until" in push and number(push["until"]) <= number(push.get("from")):
             yield ("scene", "push", index, "until"), "must be later than from"
     plane = mapping(scene.get("plane"))
+    for path, law in _laws(scene, plane):
+        for message in _of_cone(law):
+            yield (*path, "cone"), message
     if plane.get("law") == "decoupled" and plane.get("pressure") == "balanced":
         yield ("scene", "plane", "pressure"), "the decoupled law does not depend on where the load is; allowed: uniform"
+
+
+def _laws(scene: Mapping[str, Any], plane: Mapping[str, Any]) -> Iterator[tuple[Path, Mapping[str, Any]]]:
+    """Yield the tables that name a cone, with what they take over from the plane."""
+    if "cone" in plane:
+        yield ("scene", "plane"), plane
+    for index, contact in enumerate(tables_of(scene, "contacts", MAX_CONTACTS)):
+        if "cone" in contact:
+            yield ("scene", "contacts", index), {**plane, **contact}
+
+
+def _of_cone(law: Mapping[str, Any]) -> Iterator[str]:
+    if "rolling_friction" not in law and "torsional_friction" not in law:
+        yield "says nothing without a coefficient; give rolling_friction or torsional_friction"
+    if law.get("cone") == "one" and law.get("friction") == "no-slip":
+        yield "one limit for friction and moments needs a coefficient of friction; allowed with no-slip: product"
 
 
 def _of_contact(contact: Mapping[str, Any], names: Sequence[str], *, on_plane: bool) -> Iterator[tuple[Path, str]]:
@@ -47,8 +69,8 @@ def _of_contact(contact: Mapping[str, Any], names: Sequence[str], *, on_plane: b
     if not on_plane:
         missing = [key for key in ("friction", "restitution") if key not in contact]
         yield from (((key,), "is missing; without a plane it has no default") for key in missing)
-    elif "friction" not in contact and "restitution" not in contact:
-        yield (), "says nothing; give friction or restitution"
+    elif not any(key in contact for key in OF_PAIRS):
+        yield (), f"says nothing; give any of {', '.join(OF_PAIRS)}"
     pair = contact.get("bodies")
     if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
         return
@@ -67,7 +89,16 @@ def build_plane(table: grammar.PlaneTable | None) -> Plane | None:
     """Return the plane of a table; None if there is no table."""
     if table is None:
         return None
-    return Plane(_coefficient(table.friction), table.law, table.pressure, table.incline, table.restitution)
+    return Plane(
+        _coefficient(table.friction),
+        table.law,
+        table.pressure,
+        table.incline,
+        table.restitution,
+        table.rolling_friction,
+        table.torsional_friction,
+        table.cone or "product",
+    )
 
 
 def build_contacts(
@@ -75,22 +106,27 @@ def build_contacts(
 ) -> tuple[PairContact, ...]:
     """Return the contacts that tables state for pairs of bodies, or of a body and the plane; the last for a pair counts.
 
-    names: the names of the bodies. A pair with the friction and restitution of the plane is left out. Without a plane, each
-    table has both.
+    names: the names of the bodies. A pair with the coefficients and the cone of the plane is left out. Without a plane, each
+    table has friction and restitution.
     """
     by_pair: dict[tuple[int, int], PairContact] = {}
-    usual = (0.0, 0.0) if plane is None else (plane.friction, plane.restitution)
     for table in tables:
         first, second = (_places(pattern, names) for pattern in table.bodies)
-        friction = usual[0] if table.friction is None else _coefficient(table.friction)
-        restitution = usual[1] if table.restitution is None else table.restitution
+        stated = {key: value for key in OF_PAIRS if (value := getattr(table, key)) is not None}
+        friction = {"friction": _coefficient(stated["friction"])} if "friction" in stated else {}
+        law = (coefficients(plane) if plane is not None else {}) | stated | friction
         for one in first:
             for other in second:
                 if one != other:
                     pair = min(one, other), max(one, other)
-                    by_pair[pair] = PairContact(pair, friction, restitution)
+                    by_pair[pair] = PairContact(pair, **law)
     pairs = [pair for _, pair in sorted(by_pair.items())]
-    return tuple(pair for pair in pairs if plane is None or (pair.friction, pair.restitution) != usual)
+    return tuple(pair for pair in pairs if plane is None or coefficients(pair) != coefficients(plane))
+
+
+def coefficients(law: Plane | PairContact) -> dict[str, Any]:
+    """Return the properties of a contact that a pair may have of its own, by their keys."""
+    return {key: getattr(law, key) for key in OF_PAIRS}
 
 
 def build_push(table: grammar.PushTable, body: int = 0) -> Push:

@@ -76,11 +76,15 @@ class Problem:
     gravity: WideArray
     pushes: tuple[Push, ...]
 
+    def contact(self, one: int, other: int = WORLD) -> Plane | PairContact:
+        """The law of the contact of two bodies, given by their indices; by default that of a body and the plane."""
+        both = min(one, other), max(one, other)
+        return next((pair for pair in self.contacts if pair.bodies == both), self.plane)
+
     def pair(self, one: int, other: int = WORLD) -> tuple[float, float]:
         """Friction and restitution of two bodies, given by their indices; by default those of a body and the plane."""
-        both = min(one, other), max(one, other)
-        contact = next((pair for pair in self.contacts if pair.bodies == both), None)
-        return (self.plane.friction, self.plane.restitution) if contact is None else (contact.friction, contact.restitution)
+        law = self.contact(one, other)
+        return law.friction, law.restitution
 
 
 def problem(scene: AnyScene) -> Problem:

@@ -21,6 +21,7 @@ from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.piles import pushed, rest
 from bodycheck.reference.contact.problem import Problem
 from bodycheck.reference.contact.problem import problem as problem_of
+from bodycheck.reference.contact.resistance import motion as resistance
 from bodycheck.reference.contact.round.alone import cylinder, sphere
 from bodycheck.reference.contact.spheres import way as way_of_spheres
 from bodycheck.reference.errors import NotModelled
@@ -33,6 +34,7 @@ from bodycheck.reference.trajectory import Array
 Way = Callable[[Problem, Array], ContactMotion | None]
 
 WAYS: tuple[Way, ...] = (
+    resistance.sphere,
     sphere,
     cylinder,
     rod.motion,

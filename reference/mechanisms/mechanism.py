@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from bodycheck.reference.mechanisms.control import Controller, Stops
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointForm, JointType
-from bodycheck.reference.scene import Attitude, EulerRates, Given, Plane, Push, Scene, Shape, Vector
+from bodycheck.reference.scene import Attitude, Cone, EulerRates, Given, Plane, Push, Scene, Shape, Vector
 
 #: The index that denotes the world instead of a body.
 WORLD = -1
@@ -163,13 +163,16 @@ class PairContact:
     ----------
     bodies
         The indices of the two bodies; one may be `WORLD`, which denotes the plane.
-    friction, restitution
+    friction, restitution, rolling_friction, torsional_friction, cone
         As in `scene.Plane`.
     """
 
     bodies: tuple[int, int]
     friction: float
     restitution: float
+    rolling_friction: float = 0.0
+    torsional_friction: float = 0.0
+    cone: Cone = "product"
 
 
 @dataclass(frozen=True)
@@ -212,6 +215,11 @@ class Mechanism:
         """True if energy is conserved: there is no damping, dry friction, stop, controller, plane, contact or push."""
         loses = any(joint.damping or joint.friction or joint.stops for joint in self.joints)
         return not (loses or self.plane is not None or self.contacts or self.pushes or self.controllers)
+
+    @property
+    def contact_laws(self) -> tuple[Plane | PairContact, ...]:
+        """The law of the plane, if there is one, and those of the pairs with laws of their own."""
+        return (*(() if self.plane is None else (self.plane,)), *self.contacts)
 
     @property
     def driven(self) -> tuple[int, ...]:

@@ -173,7 +173,7 @@ def test_pushes_have_times_and_bodies() -> None:
         ),
         (
             '[scene.plane]\n[[scene.contacts]]\nbodies = ["plane", "body"]',
-            "scene.contacts[1]: says nothing; give friction or restitution",
+            "scene.contacts[1]: says nothing; give any of friction, restitution, rolling_friction, torsional_friction, cone",
         ),
     ],
 )

@@ -51,6 +51,8 @@ class OnPlane:
         The length of the run (s).
     pushes
         The tables of the pushes.
+    plane
+        The table of the plane.
     """
 
     table: dict[str, Any]
@@ -65,6 +67,7 @@ class OnPlane:
     restitution: Decimal
     duration: Decimal
     pushes: list[dict[str, Any]]
+    plane: dict[str, Any]
 
     def in_world(self, position: Vector, velocity: Vector, turn: Matrix, spin: Vector) -> State:
         """Return a state in the world, from one along the axes of the plane."""
@@ -99,6 +102,7 @@ def on_plane(text: str) -> OnPlane:
         exact(plane.get("restitution", 0)),
         exact(document["run"]["duration"]),
         scene.get("push", []),
+        plane,
     )
 
 

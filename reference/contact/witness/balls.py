@@ -73,12 +73,12 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
     if not all(SMALLEST <= abs(number) <= LARGEST for number in numbers if number):
         raise OutOfReach("numbers of extreme size")
     gravity: Vector = (MP.mpf(0), MP.mpf(0), -MP.mpf(scene.gravity))
-    ratio = body.mass * radius**2 / _moment(body)
+    ratio = body.mass * radius**2 / moment(body)
     whole = Round(radius, ratio, plane, along(gravity, plane.normal), -dot(gravity, plane.normal))
     begun = _begun(whole, body)
     last = float(times.max(initial=0.0))
     parts, events = course(whole, begun.moving, begun.airborne, MP.mpf(last))
-    return _witness(whole, body, begun, pieces.states(parts, times), events, times)
+    return witness_of(whole, body, begun, pieces.states(parts, times), events, times)
 
 
 def _radius(body: FreeBody, plane: Surface) -> Real | None:
@@ -97,7 +97,7 @@ def _axis(body: FreeBody) -> Vector:
     return [row[2] for row in body.cosines]
 
 
-def _moment(body: FreeBody) -> Real:
+def moment(body: FreeBody) -> Real:
     """The moment of inertia about the axes about which a body rolls. Raises `NotModelled` if there is none."""
     rows = body.tensor
     moments = rows[0][0], rows[1][1], rows[2][2]
@@ -152,7 +152,9 @@ def _level_axis(body: Round, axis: Vector) -> Vector:
     return scaled(across, MP.sign(dot(across, axis)))
 
 
-def _witness(body: Round, free: FreeBody, begun: Begun, states: pieces.States, events: list[Instant], times: Array) -> Witness:
+def witness_of(
+    body: Round, free: FreeBody, begun: Begun, states: pieces.States, events: list[Instant], times: Array
+) -> Witness:
     """The witness from the states of a body at times (n,), s, and its events."""
     attitude = pieces.multiplied(states.turn.T, exact_quaternion(free.cosines))
     w, x, y, z = attitude

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from bodycheck.reference.independent.arithmetic import Real, Vector
 from bodycheck.reference.independent.border import MP, Matrix, Triple, attitude, border, euler_velocity, made_of
-from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
-from bodycheck.reference.scene import EulerRates, Shape
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, PairContact, shape_of
+from bodycheck.reference.scene import EulerRates, Plane, Shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,11 +47,18 @@ class Surface:
         The unit normal, world frame.
     friction, restitution
         Coulomb's coefficient, which may be infinite, and the coefficient of restitution.
+    rolling, torsional
+        The coefficients of rolling and of torsional friction (m).
+    one
+        Whether friction and both moments have one limit.
     """
 
     normal: Vector
     friction: Real
     restitution: Real
+    rolling: Real
+    torsional: Real
+    one: bool
 
 
 def bodies(scene: AnyScene) -> tuple[FreeBody, ...]:
@@ -75,12 +82,13 @@ def surface(scene: AnyScene, body: int = 0) -> Surface:
     """The plane of a scene, which it must have, and its contact with a body, given by its index."""
     plane = scene.plane
     assert plane is not None  # the caller has checked this
-    friction, restitution = plane.friction, plane.restitution
+    law: Plane | PairContact = plane
     for contact in scene.contacts if isinstance(scene, Mechanism) else ():
         if set(contact.bodies) == {WORLD, body}:
-            friction, restitution = contact.friction, contact.restitution
+            law = contact
     cosine, sine = MP.cos_sin(MP.mpf(plane.incline))
-    return Surface((sine, MP.mpf(0), cosine), MP.mpf(friction), MP.mpf(restitution))
+    numbers = (law.friction, law.restitution, law.rolling_friction, law.torsional_friction)
+    return Surface((sine, MP.mpf(0), cosine), *map(MP.mpf, numbers), law.cone == "one")
 
 
 def pair_law(scene: AnyScene, pair: tuple[int, int]) -> tuple[Real, Real]:

@@ -234,8 +234,15 @@ def advance(body: Round, moving: Moving, friction: Vector, until: Real, end: Rea
 
     Returns the body at `until`, when it no longer slips; None if `until` is after `end`.
     """
-    acceleration = plus(body.pull, friction)
     faster = scaled(cross(body.surface.normal, friction), -body.lever / body.radius)
+    return advanced(moving, plus(body.pull, friction), faster, until, end, parts)
+
+
+def advanced(moving: Moving, acceleration: Vector, faster: Vector, until: Real, end: Real, parts: list[Piece]) -> Moving | None:
+    """Append the steps until `until`, or at least `end` (s), with a constant acceleration and rate of the spin.
+
+    Returns the body at `until`; None if `until` is after `end`.
+    """
     if norm(cross(moving.spin, faster)) <= ROUNDED * norm(moving.spin) * norm(faster):
         parts.append(_uniform(moving, acceleration, faster))
         return replace(later(moving, acceleration, faster, until - moving.time), held=True) if until <= end else None
@@ -246,8 +253,8 @@ def advance(body: Round, moving: Moving, friction: Vector, until: Real, end: Rea
         step = min(share * _step(norm(moving.spin), norm(faster)), last - moving.time)
         velocity = series.linear(moving.velocity, scaled(acceleration, step))
         spin = series.linear(moving.spin, scaled(faster, step))
-        stepped = _stepped(moving, step, series.constant(series.ONE), velocity, spin, parts)
-        share, moving = (share / 2, moving) if stepped is None else (min(MP.mpf(1), share * 5 / 4), stepped)
+        taken = stepped(moving, step, series.constant(series.ONE), velocity, spin, parts)
+        share, moving = (share / 2, moving) if taken is None else (min(MP.mpf(1), share * 5 / 4), taken)
     raise OutOfReach(f"a body that rolls or slips for more than {MOST_STEPS} steps")
 
 
@@ -278,8 +285,8 @@ def _curved(body: Round, moving: Moving, end: Real, parts: list[Piece]) -> Movin
             for start, pull, part in zip(moving.velocity, body.pull, u, strict=True)
         ]
         spin = _twisted(moving.spin, scaled(body.surface.normal, twist * step), u)
-        stepped = _stepped(moving, step, pace, velocity, spin, parts) if series.converged([*u, pace]) else None
-        share, moving = (share / 2, moving) if stepped is None else (min(MP.mpf(1), share * 5 / 4), stepped)
+        taken = stepped(moving, step, pace, velocity, spin, parts) if series.converged([*u, pace]) else None
+        share, moving = (share / 2, moving) if taken is None else (min(MP.mpf(1), share * 5 / 4), taken)
     raise OutOfReach(f"a body that slips for more than {MOST_STEPS} steps")
 
 
@@ -295,7 +302,7 @@ def _twisted(spin: Vector, lever: Vector, u: Sequence[Series]) -> list[Series]:
     ]
 
 
-def _stepped(
+def stepped(
     moving: Moving, step: Real, pace: Series, velocity: Sequence[Series], spin: Sequence[Series], parts: list[Piece]
 ) -> Moving | None:
     """Append a step, and return the body at its end; None for a step that is too large.

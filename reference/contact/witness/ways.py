@@ -2,7 +2,17 @@
 
 from collections.abc import Callable
 
-from bodycheck.reference.contact.witness import balls, blocks, coins, colliding, dropped, leaning, pushing, resting
+from bodycheck.reference.contact.witness import (
+    balls,
+    blocks,
+    coins,
+    colliding,
+    dropped,
+    leaning,
+    pushing,
+    resisting,
+    resting,
+)
 from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
@@ -14,6 +24,7 @@ from bodycheck.reference.witness import Witness
 Family = Callable[[AnyScene, Array], Witness | None]
 
 FAMILIES: tuple[Family, ...] = (
+    resisting.second,
     balls.second,
     leaning.second,
     coins.second,

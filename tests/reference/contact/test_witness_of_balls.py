@@ -194,8 +194,8 @@ def test_a_slip_across_the_fall_line_is_cross_checked() -> None:
 
 
 def test_a_witness_that_is_wrong_is_a_contradiction(monkeypatch: Patch) -> None:
-    right = balls._moment
-    monkeypatch.setattr(balls, "_moment", lambda body: right(body) * 5 / 3)
+    right = balls.moment
+    monkeypatch.setattr(balls, "moment", lambda body: right(body) * 5 / 3)
     found = certify(THROWN, TIMES)
     assert found.faults
     assert found.truth.bounds.position_error[-1] > 1e-3
