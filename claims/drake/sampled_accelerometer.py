@@ -1,4 +1,4 @@
-"""Drake's accelerometer on a discrete pendulum: how far (m/s^2) it is from its readings at the present state and the last one."""
+"""The distance (m/s^2) of Drake's accelerometer on a discrete pendulum from its readings at the present and the last state."""
 
 import numpy as np
 from pydrake.math import RigidTransform
