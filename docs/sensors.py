@@ -31,13 +31,12 @@ HEAD = ("engine, method", "sensor", "after a step", "after forward", "at a reset
 def rows_of(engine: str) -> Sequence[SensorRow]:
     """Return the rows of the sheet of an engine."""
     method = METHODS.get(engine)
-    chosen = {"integrator": method, "timestep": STEP} if method is not None else {}
-    rows = bodycheck.sensors(engine, **chosen).rows
+    rows = bodycheck.sensors(engine, integrator=method or (), timestep=STEP if method else ()).rows
     return [row for row in rows if row.case != SLIDING or row.type == "contact_force"]
 
 
 def figure(value: float | None) -> str:
-    """Return a number with one digit; an ellipsis for a number that is not known."""
+    """Return a number with one digit; a dash for a number that is not known."""
     return "–" if value is None else f"{value:.0e}"
 
 
@@ -72,8 +71,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Print the table of docs/sensors.md.")
     parser.add_argument("engines", nargs="*", metavar="ENGINE", help="engines; all that are installed, without any")
     asked = parser.parse_args(arguments).engines or registry.names()
-    for row in (HEAD, ["---"] * len(HEAD)):
-        print(f"| {' | '.join(row)} |")
+    print(f"| {' | '.join(HEAD)} |\n| {' | '.join(['---'] * len(HEAD))} |")
     for engine in asked:
         for row in table_of(engine):
             print(f"| {' | '.join(row)} |", flush=True)
