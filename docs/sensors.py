@@ -4,6 +4,7 @@ Run: python docs/sensors.py [ENGINE …]
 """
 
 import argparse
+import re
 from collections.abc import Iterator, Sequence
 
 import bodycheck
@@ -24,6 +25,9 @@ METHODS = {
 
 #: The time step (s), and the scene whose errors in MuJoCo are those of its contacts; the sensors of contacts alone count there.
 STEP, SLIDING = 0.002, "sensor-block-on-ramp"
+
+#: The names of scenes after a part of a note.
+SCENES = re.compile(r" \(sensor-[^)]*\)")
 
 HEAD = ("engine, method", "sensor", "after a step", "after forward", "at a reset", "sign", "frame", "age", "source", "note")
 
@@ -55,7 +59,7 @@ def cells(step: Line, forward: Line | None) -> Sequence[str]:
         figure(step.error),
         "" if forward is None else figure(forward.error),
     )
-    return (*shown, figure(step.reset), *conventions, step.note)
+    return (*shown, figure(step.reset), *conventions, SCENES.sub("", step.note))
 
 
 def table_of(engine: str) -> Iterator[Sequence[str]]:
