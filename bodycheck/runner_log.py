@@ -5,7 +5,8 @@ Azure and TeamCity act on `##vso[` and `##teamcity[`. The names of files and the
 strangers. The second character of each such mark is therefore printed as an escape, which has the same meaning in JSON and
 TOML.
 
-A terminal is not the log of a runner, so text that is printed there is not changed.
+A terminal is not the log of a runner, so text that is printed there keeps such marks. Control characters in the texts of
+strangers act on a terminal too, and `escaped` escapes them.
 """
 
 import re
@@ -23,9 +24,14 @@ def harmless(text: str) -> str:
     return COMMAND.sub(lambda match: rf"{match[1]}\u003a" if match[1] else rf"{match[2]}\u0023", text)
 
 
+def escaped(text: str) -> str:
+    """Return a text of whole lines with control characters escaped, which would otherwise act on a terminal."""
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
 def printable(text: str) -> str:
     """Return a text of whole lines with control characters and commands to runners escaped."""
-    return harmless("".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode("ascii") for c in text))
+    return harmless(escaped(text))
 
 
 class ReaderGone(Exception):

@@ -24,5 +24,10 @@ def did_you_mean(word: str, known: Collection[str]) -> str:
 
 
 def first_names(names: Sequence[str]) -> list[str]:
-    """Return the names that a message lists: the first few, and an ellipsis for all others."""
-    return [*names[:MAX_LISTED], *(["…"] if len(names) > MAX_LISTED else [])]
+    """Return the names that a message lists: the first few, and an ellipsis for all others.
+
+    The names may be those of a stranger: long ones are cut, and characters that are not printable are escaped.
+    """
+    cut = [name if len(name) <= MAX_WORD_LENGTH else f"{name[:MAX_WORD_LENGTH]}…" for name in names[:MAX_LISTED]]
+    short = [name if name.isprintable() else repr(name)[1:-1] for name in cut]
+    return [*short, *(["…"] if len(names) > MAX_LISTED else [])]

@@ -76,10 +76,10 @@ def deviations(claim: Claim, release: str, commands: Commands) -> Iterator[str]:
 
 
 def command_of(claim: Claim, release: str) -> str:
-    """Return the command of a claim for a release: after `--engine` and after `audit`, NAME becomes NAME@RELEASE."""
+    """Return the command of a claim for a release: after `--engine`, `audit` and `sensors`, NAME becomes NAME@RELEASE."""
     words = shlex.split(claim.command)
     for place, word in enumerate(words):
-        if word == claim.engine and words[place - 1] in ("--engine", "audit"):
+        if word == claim.engine and words[place - 1] in ("--engine", "audit", "sensors"):
             words[place] = f"{word}@{release}"
     return shlex.join(words)
 

@@ -16,7 +16,7 @@ from bodycheck.commands.rerun import rerun
 from bodycheck.commands.run import export, run
 from bodycheck.commands.truth import truth
 from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_READER, NO_ROOM, SHOWN_OF_NAME, BadInput, Failed
-from bodycheck.runner_log import ReaderGone, guarded
+from bodycheck.runner_log import ReaderGone, escaped, guarded
 from bodycheck.site.command import site, submit
 from bodycheck.studies import plain_command
 
@@ -60,10 +60,10 @@ def _exit_code() -> int:
         code: int = app(exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
     except (CycloptsError, BadInput) as error:
-        print(error, file=sys.stderr)
+        print(escaped(str(error)), file=sys.stderr)
         code = BAD_INPUT
     except Failed as error:
-        print(error, file=sys.stderr)
+        print(escaped(str(error)), file=sys.stderr)
         code = FAILED
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:

@@ -63,6 +63,7 @@ def compare(
     from bodycheck.console.robots import noticed
     from bodycheck.judging import judgement, result_set
     from bodycheck.judging.baselines import baseline
+    from bodycheck.runner_log import escaped
     from bodycheck.running import logs
     from bodycheck.running.named import Named, decide
 
@@ -75,7 +76,7 @@ def compare(
     noticed([loaded], 1, quiet)
     recording = logs.read(log, loaded, checked_name(name, "engine"), checked_name(version, "engine's version"))
     for note in recording.notes:
-        print(note, file=sys.stderr)
+        print(escaped(note), file=sys.stderr)
     files = arguments.files_of([loaded], names)
     with logs.results(recording.run, loaded, out, sys.argv, files) as stored:
         result = result_set.judged(stored)

@@ -8,7 +8,7 @@ bounded.
 import csv
 import io
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from bodycheck.adapters.contract import Method
+from bodycheck.casefile.case import MAX_FAULTS
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
@@ -35,6 +36,7 @@ from bodycheck.results.store import Results, Writer
 from bodycheck.results.trajectory_files import OF_BODY
 from bodycheck.running import campaign, engines, tasks
 from bodycheck.running.truths import MAX_INSTANTS
+from bodycheck.suggestion import first_names
 
 #: The columns of a pose: position of the centre of mass (m, world), and quaternion w x y z from body to world.
 POSE = ("px", "py", "pz", "qw", "qx", "qy", "qz")
@@ -99,7 +101,7 @@ def read(path: Path, case: Case, engine: str, version: str) -> Recording:
     t, columns, notes = within(path, columns, case.duration)
     used, trajectory = _trajectory(path, columns, t, case)
     if unused := sorted(columns.keys() - used - {TIME}):
-        notes = (f"{path}: columns that are not used: {', '.join(unused)}", *notes)
+        notes = (f"{path}: columns that are not used: {_listed(unused)}", *notes)
     lengths = np.linalg.norm(trajectory.quaternion, axis=-1)
     norm_error = float(np.abs(lengths - 1).max())
     trajectory = replace(trajectory, quaternion=normalise(trajectory.quaternion))
@@ -149,8 +151,16 @@ def results(run: Run, case: Case, folder: Path | None, command: Sequence[str], f
         yield replace(store.read(results_folder), complete=True, known={case.name: case})
 
 
-def columns_of(path: Path) -> dict[str, Array]:
-    """Return the columns of a file by their names; all numbers are finite. Raises `BadInput`."""
+def no_faults(names: Sequence[str]) -> list[str]:
+    """Return no fault of the names of columns."""
+    return []
+
+
+def columns_of(path: Path, faults_of: Callable[[Sequence[str]], list[str]] = no_faults) -> dict[str, Array]:
+    """Return the columns of a file by their names; all numbers are finite. Raises `BadInput` with all faults of the file.
+
+    faults_of: returns the faults of the names of the columns, which are reported together with those of the numbers.
+    """
     try:
         text = reading.content(path, MAX_BYTES, follow=True).decode("utf-8-sig")
     except reading.Refused as error:
@@ -166,12 +176,17 @@ def columns_of(path: Path) -> dict[str, Array]:
         if len(set(names)) != len(names) or TIME not in names:
             raise BadInput(f"{path}:1: read {', '.join(names)[:200]!r}; allowed: different names of columns, among them t")
         of_body = names.index(BODY) if BODY in names else None
-        bodies, values = list[str](), list[list[float]]()
+        bodies, values, faults = list[str](), list[list[float]](), [f"1: {fault}" for fault in faults_of(names)]
         for row in filter(None, rows):
-            values.append(_numbers(path, rows.line_num, names, row))
-            bodies += [] if of_body is None else [row[of_body]]
+            numbers, wrong = _numbers(rows.line_num, names, row)
+            values.append(numbers)
+            faults += wrong
+            bodies += [] if of_body is None or wrong else [row[of_body]]
+            if len(faults) > MAX_FAULTS:
+                break
     except csv.Error as error:
         raise BadInput(f"{path}:{rows.line_num}: is no CSV: {error}") from error
+    _refuse(path, faults)
     instants = len(values) // max(1, len(set(bodies)))
     if not 2 <= instants <= MAX_INSTANTS:
         raise BadInput(f"{path}: has {instants} instants; allowed: 2 to {MAX_INSTANTS}")
@@ -196,10 +211,11 @@ def _of_bodies(path: Path, columns: Mapping[str, Array], bodies: Sequence[str], 
     return {TIME: tables[TIME][:, 0], **of_bodies}
 
 
-def _numbers(path: Path, line: int, names: Sequence[str], row: Sequence[str]) -> list[float]:
+def _numbers(line: int, names: Sequence[str], row: Sequence[str]) -> tuple[list[float], list[str]]:
+    """Return the numbers of a line, and its faults."""
     if len(row) != len(names):
-        raise BadInput(f"{path}:{line}: has {len(row)} values; allowed: {len(names)}, as many as the first line has names")
-    numbers = []
+        return [], [f"{line}: has {len(row)} values; allowed: {len(names)}, as many as the first line has names"]
+    numbers, faults = [], []
     for name, entry in zip(names, row, strict=True):
         if name == BODY:
             continue
@@ -208,9 +224,16 @@ def _numbers(path: Path, line: int, names: Sequence[str], row: Sequence[str]) ->
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            raise BadInput(f"{path}:{line}: {name}: read {entry[:40]!r}; allowed: a finite number")
+            faults.append(f"{line}: {name}: read {entry[:40]!r}; allowed: a finite number")
         numbers.append(number)
-    return numbers
+    return numbers, faults
+
+
+def _refuse(path: Path, faults: Sequence[str]) -> None:
+    """Raise `BadInput` if a file has faults, each of which begins with its line: with the first ones, each on a line."""
+    if faults:
+        more = [f"{path}: has more faults"] if len(faults) > MAX_FAULTS else []
+        raise BadInput("\n".join([*(f"{path}:{fault}" for fault in faults[:MAX_FAULTS]), *more]))
 
 
 def within(path: Path, columns: Mapping[str, Array], duration: float) -> tuple[Array, dict[str, Array], tuple[str, ...]]:
@@ -298,4 +321,4 @@ def _require(path: Path, columns: Mapping[str, Array], names: Iterable[str]) -> 
 
 
 def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names[:20]) + (" …" if len(names) > 20 else "")
+    return ", ".join(first_names(names))

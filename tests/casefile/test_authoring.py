@@ -60,6 +60,7 @@ ALTERNATIVES = {
     "rates": (["euler_rates"], ["angular_velocity"]),
     "plane": (["[scene.plane]", "friction", "law", "pressure"], ["position", "euler_zxz"]),
     "drag": (["[scene.drag]", "quadratic"], []),
+    "sensors": (["[[sensors]]", "name", "type", "position = [0.1"], []),
     "extremes": (["[extremes]", "spin", "timestep = [0"], []),
     "ensemble": (
         ["[ensemble]", "members", "seed", "[[ensemble.vary]]", "key", "distribution", "mean", "standard_deviation"],
@@ -164,6 +165,7 @@ OF_MECHANISMS = {
     "joint": (["euler_zxz", "armature", "damping", "stiffness", "rest", "friction", "effort =", "limits"], []),
     "controller": (["[[controllers]]", "joint", "law", "kp", "kd", "target", "rate", "effort_limit"], []),
     "loop": (["[[loops]]", "bodies = [", "points"], ["initial = {position = 0.0, velocity = 0.5}"]),
+    "sensors": (["[[sensors]]", 'name = "imu"', "type", 'body = "pole"', "position = [0.0, 0.0, 0.5]"], []),
     "extremes": (["[extremes]", "speed", "timestep = [0"], []),
     "ensemble": (["[ensemble]", "members", "[[ensemble.vary]]", "key", "distribution", "low", "high"], []),
     "limits": (["[[expect]]", "engine", "integrator", "timestep = 0", "attitude_error"], []),

@@ -130,6 +130,17 @@ def test_faults_of_sensors_are_named(text: str, key: str, said: str) -> None:
     assert said in fault.message
 
 
+@pytest.mark.parametrize("name", ["\\u001b[31mred", "two\\nlines", "a\\u202eb"])
+def test_a_name_that_acts_on_a_terminal_is_escaped_in_all_messages(name: str) -> None:
+    """The name is in the list of those that an expectation may have, too."""
+    text = BRICK + IMU.replace('"imu"', f'"{name}"') + EXPECT + "sensors = {imu = 1e-6}\n"
+    with pytest.raises(CaseFaults) as refused:
+        parse(text, "brick")
+    assert [fault.key for fault in refused.value.faults] == ["sensors[1].name", "expect[1].sensors.imu"]
+    assert all(line.isprintable() for line in str(refused.value).split("\n"))
+    assert str(refused.value).count("\n") == 1
+
+
 def test_more_sensors_than_allowed_are_refused() -> None:
     sensors = "".join(IMU.replace('"imu"', f'"imu {index}"') for index in range(101))
     with pytest.raises(CaseFaults, match="100"):

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from bodycheck.runner_log import Guarded, harmless
+from bodycheck.runner_log import Guarded, escaped, harmless
 from tests.support import ROOT
 from tests.support.commands import bodycheck
 
@@ -30,6 +30,22 @@ def test_no_text_is_a_command(text: str) -> None:
     assert harmless(harmless(text)) == harmless(text)
     if not commands(text):
         assert harmless(text) == text
+
+
+@given(st.text())
+@example("\x1b[31mred\r\x9b2J\u202e\t")
+def test_an_escaped_text_acts_on_no_terminal(text: str) -> None:
+    assert all(line.isprintable() for line in escaped(text).split("\n"))
+    assert escaped(escaped(text)) == escaped(text)
+    assert escaped(text).count("\n") == text.count("\n")
+
+
+def test_a_message_with_text_of_a_stranger_is_escaped(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("t,\x1b[31mred\n0,1\n0.1,x\n", "utf-8")
+    done = bodycheck("compare", tmp_path / "log.csv", "free-brick", "--name", "isaac")
+    assert done.returncode == 2
+    assert "\\x1b[31mred: read 'x'" in done.stderr
+    assert done.stderr.removesuffix("\n").isprintable()
 
 
 @given(st.lists(st.lists(PIECES, max_size=5).map("".join), max_size=6))

@@ -56,6 +56,13 @@ def test_readings_and_bounds_are_in_the_json(tmp_path: Path) -> None:
     assert np.shape(rows) == np.shape(bounds) == (3, 3)
     assert np.abs(np.subtract(rows[0], (-2.5159379844961242, 0.7909406456091635, 0.0323383084577115))).max() < 1e-13
     assert printed["sensors_not_modelled"] == {}
+
+
+@pytest.mark.slow
+def test_readings_at_an_instant_are_those_of_the_whole_truth(tmp_path: Path) -> None:
+    file = tmp_path / "felt.case.toml"
+    file.write_text(BRICK, "utf-8")
+    rows = json.loads(bodycheck("truth", file, "--json").stdout)["sensors"]["imu"]
     assert rows[1] == pytest.approx(
         json.loads(bodycheck("truth", file, "--at", 0.1, "--json").stdout)["sensors"]["imu"][0], abs=1e-13
     )
@@ -69,6 +76,12 @@ def test_a_sensor_has_a_line_with_its_largest_reading_or_the_reason(tmp_path: Pa
     assert "sensor gyro: at most " in printed.stdout
     assert " rad/s, error at most " in printed.stdout
     assert "sensor felt: not modelled: accelerations and forces of such a motion of bodies that touch" in printed.stdout
+
+
+@pytest.mark.slow
+def test_a_sensor_without_a_truth_is_named_in_the_json(tmp_path: Path) -> None:
+    file = tmp_path / "rod.case.toml"
+    file.write_text(load("falling-rod").text + GYRO, "utf-8")
     told = json.loads(bodycheck("truth", file, "--at", 0.1, "--json").stdout)
     assert list(told["sensors"]) == ["gyro"]
     assert list(told["sensors_not_modelled"]) == ["felt"]

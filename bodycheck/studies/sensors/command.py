@@ -57,6 +57,7 @@ def sensors(
     from bodycheck.console.output import end
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging.judgement import Compared
+    from bodycheck.runner_log import escaped
     from bodycheck.studies.output import Output
     from bodycheck.studies.sensors import printing, study
     from bodycheck.studies.sensors.interface import carry_out, checked_readings, of_readings
@@ -66,7 +67,7 @@ def sensors(
         known = checked_readings(case, engines, integrator, timestep, name, version)
         results, notes = of_readings(readings, arguments.load_case(case[0]), *known, sys.argv, Output(out))
         for note in notes:
-            print(note, file=sys.stderr)
+            print(escaped(note), file=sys.stderr)
         if json:
             terminal.print_json([asdict(row) for row in results.rows])
         elif not quiet:

@@ -39,7 +39,7 @@ def brick() -> Case:
         angular_velocity=(1.0, 5.0, 1.0),
     )
     scene = replace(scene, body=inertia, initial=start, gravity=9.81, definition=None)
-    return replace(case, name="brick", scene=scene, duration=0.2, samples=11, sensors=ON_BODY, expectations=())
+    return replace(case, name="brick", scene=scene, duration=0.1, samples=6, sensors=ON_BODY, expectations=())
 
 
 @cache
