@@ -75,7 +75,7 @@ def integrators() -> tuple[Integrator, ...]:
             stages,
             frozenset({"flight", "drag", "mechanism"}),
             {"model": choice(*scene_models.IN_FLIGHT, *larger_mechanisms.ADDS), **mechanisms.OPTIONS},
-            DEMONSTRATES.get(name, ""),
+            demonstrates=DEMONSTRATES.get(name, ""),
         )
         for name in SCHEMES
         for stages in (4 if name in ("rk4", "rk4-naive") else 1,)
