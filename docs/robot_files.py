@@ -95,7 +95,8 @@ def row(wheel: str, file: NamedFile, folder: Path) -> Row:
     case, ignored = read
     measured: tuple[str, str, str, str]
     try:
-        bound, error = defaults(case)
+        without = scene_of_robot(file.path, (folder,), ignore=(*ignored, "limits"))
+        bound, error = defaults(without)
         measured = bound, error, terms(case, file, folder, ignored), order(file.path, folder, ignored)
     except (BadInput, Failed) as reason:
         return Row(wheel, robot, ignored, " ".join(str(reason).split())[:200])
