@@ -63,6 +63,8 @@ def motion_of(scene: AnyScene, times: Array) -> ContactMotion:
     """The motion of bodies that touch at ascending times (n,) >= 0 (s). Raises `NotModelled` if no way models the scene."""
     motion = None if scene.plane is None else _on_plane(problem_of(scene), times)
     if motion is None and isinstance(scene, Mechanism):
+        if any(law.rolling_friction or law.torsional_friction for law in scene.contact_laws):
+            raise NotModelled("rolling or torsional friction of spheres that hit each other")
         motion = way_of_spheres.motion(scene, times)
     if motion is None:
         raise NotModelled(NO_WAY)
