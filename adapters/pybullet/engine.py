@@ -23,11 +23,10 @@ from bodycheck.adapters.contract import (
 )
 from bodycheck.adapters.links import Link, carried, state_in
 from bodycheck.adapters.mechanisms import in_body_axes
-from bodycheck.adapters.pair_coefficients import Coefficients
 from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop, Taking
-from bodycheck.adapters.touching import corners_of_brick, lying_shape, touching_bodies
+from bodycheck.adapters.touching import Coefficients, corners_of_brick, lying_shape, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism

@@ -24,7 +24,6 @@ import pybullet
 from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import Kind, Method, Option
 from bodycheck.adapters.method import Range
-from bodycheck.adapters.pair_coefficients import coefficients, differences
 from bodycheck.adapters.pybullet.links import BASE
 from bodycheck.adapters.pybullet.worlds import (
     World,
@@ -38,7 +37,7 @@ from bodycheck.adapters.pybullet.worlds import (
     set_state,
 )
 from bodycheck.adapters.stepping import Loop, several
-from bodycheck.adapters.touching import acting, laws, plane_of, touching_bodies
+from bodycheck.adapters.touching import acting, coefficients, differences, laws, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism

@@ -8,9 +8,9 @@ import numpy as np
 import pybullet
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, states
-from bodycheck.adapters.pair_coefficients import Coefficients
 from bodycheck.adapters.pybullet.links import BASE
 from bodycheck.adapters.pybullet.mechanisms import switched_off
+from bodycheck.adapters.touching import Coefficients
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Quaternion, Shape, Sphere, State

@@ -25,14 +25,13 @@ from bodycheck.adapters.contract import (
 )
 from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
-from bodycheck.adapters.pair_coefficients import Coefficients
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms, sensing, touching
 from bodycheck.adapters.rapier.robots import read_robot as read_robot
 from bodycheck.adapters.rapier.robots import step_robot as step_robot
 from bodycheck.adapters.rapier.sensing import lacking as lacking
 from bodycheck.adapters.rapier.worlds import World, add_plane, check, collider, moving, new_world, rows, seen, unlimited
 from bodycheck.adapters.stepping import Loop, Normalised
-from bodycheck.adapters.touching import lying_shape, touching_bodies
+from bodycheck.adapters.touching import Coefficients, lying_shape, touching_bodies
 from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate

@@ -15,10 +15,9 @@ import rapier3d
 
 from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import Method
-from bodycheck.adapters.pair_coefficients import coefficients, differences
 from bodycheck.adapters.rapier.worlds import World, add_plane, check, collider, moving, new_world, rows, seen, unlimited
 from bodycheck.adapters.stepping import Normalised, several
-from bodycheck.adapters.touching import acting, plane_of, touching_bodies
+from bodycheck.adapters.touching import acting, coefficients, differences, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
 from bodycheck.reference.scene import Push, Scene, Sphere

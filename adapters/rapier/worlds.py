@@ -8,7 +8,7 @@ import numpy as np
 import rapier3d
 
 from bodycheck.adapters.contract import EngineReset, Method, SceneUnsupported, states
-from bodycheck.adapters.pair_coefficients import Coefficients
+from bodycheck.adapters.touching import Coefficients
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Body, Brick, Cylinder, Quaternion, Shape, Sphere, State

@@ -24,10 +24,9 @@ from bodycheck.adapters.contract import (
 )
 from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
-from bodycheck.adapters.pair_coefficients import Coefficients
 from bodycheck.adapters.sapien import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised, Taking
-from bodycheck.adapters.touching import lying_shape
+from bodycheck.adapters.touching import Coefficients, lying_shape
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism

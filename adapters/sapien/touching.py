@@ -20,10 +20,9 @@ from sapien import physx
 from bodycheck.adapters.attitudes import in_body_frame
 from bodycheck.adapters.contract import Method, Option
 from bodycheck.adapters.method import Range
-from bodycheck.adapters.pair_coefficients import coefficients, differences
 from bodycheck.adapters.sapien.worlds import World, add_plane, collision_shape, moving, new_system, rows, seen
 from bodycheck.adapters.stepping import Normalised, several
-from bodycheck.adapters.touching import acting, laws, plane_of, touching_bodies
+from bodycheck.adapters.touching import acting, coefficients, differences, laws, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism

@@ -9,8 +9,8 @@ import sapien
 from sapien import physx
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, states
-from bodycheck.adapters.pair_coefficients import Coefficients
 from bodycheck.adapters.sapien.links import place, switch_off
+from bodycheck.adapters.touching import Coefficients
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Body, Brick, Cylinder, Quaternion, Shape, Sphere, State
