@@ -1,14 +1,12 @@
 """Convert bodies that touch a plane and each other to the forms that engines take."""
 
 import itertools
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Simulation, Strides
 from bodycheck.reference.errors import NotFlat
@@ -117,76 +115,6 @@ def laws(scene: AnyScene) -> tuple[Law, ...]:
 def _law(bodies: tuple[int, int], given: Plane | PairContact) -> Law:
     coefficients = given.friction, given.restitution, given.rolling_friction, given.torsional_friction
     return Law(bodies, *coefficients, given.cone)
-
-
-@dataclass(frozen=True)
-class Coefficients:
-    """The coefficients of all pairs in a scene; the plane is the last body.
-
-    Parameters
-    ----------
-    names
-        The names (n,) of the bodies.
-    friction, restitution
-        The coefficients (n, n) of pairs. The diagonals have no meaning.
-    stated
-        Which pairs (n, n) are those of the plane or have coefficients of their own in the scene.
-    """
-
-    names: tuple[str, ...]
-    friction: Array
-    restitution: Array
-    stated: NDArray[np.bool_]
-
-
-def coefficients(scene: AnyScene) -> Coefficients:
-    """Return the coefficients of all pairs in a scene with a plane."""
-    usual, *others = laws(scene)
-    bodies = [body.name for body in scene.bodies] if isinstance(scene, Mechanism) else ["body"]
-    names = *bodies, "the plane"
-    size = len(names)
-    friction, restitution = np.full((size, size), usual.friction), np.full((size, size), usual.restitution)
-    stated = np.zeros((size, size), dtype=bool)
-    stated[WORLD] = stated[:, WORLD] = True  # the index of the plane is -1
-    for law in others:
-        for pair in (law.bodies, law.bodies[::-1]):
-            friction[pair], restitution[pair], stated[pair] = law.friction, law.restitution, True
-    return Coefficients(names, friction, restitution, stated)
-
-
-def shares(
-    of_pairs: Array, stated: NDArray[np.bool_], forward: Callable[[Array], Array], backward: Callable[[Array], Array]
-) -> Array:
-    """Return coefficients of bodies (n,) from which an engine makes those of pairs (n, n).
-
-    The engine's coefficient of a pair is zero if that of a body is zero. Otherwise a function of it, `forward`, is the mean of
-    the same function of the coefficients of both bodies, and `backward` is its inverse. If no coefficients of bodies give
-    every pair its own, the pairs that the scene states count, and these as nearly as possible.
-    """
-    size = len(of_pairs)
-    every = ~np.eye(size, dtype=bool)
-    for counted in (every, stated & every):
-        pairs = list(zip(*np.nonzero(np.triu(counted & (of_pairs > 0))), strict=True))
-        halves = np.zeros((len(pairs), size))
-        for row, pair in enumerate(pairs):
-            halves[row, list(pair)] = 0.5
-        wanted = forward(np.array([of_pairs[pair] for pair in pairs]))
-        solution, *_ = np.linalg.lstsq(halves, wanted)
-        if np.allclose(halves @ solution, wanted, rtol=1e-12, atol=1e-12):
-            break
-    of_bodies, counts = np.zeros(size), halves.any(axis=0)
-    of_bodies[counts] = backward(solution[counts].astype(np.float64))
-    return of_bodies
-
-
-def differing(what: str, given: Array, of_pairs: Array, names: Sequence[str]) -> list[str]:
-    """Return a phrase about the pairs whose given coefficients (n, n) are not those of the scene (n, n), if there are any."""
-    pairs = [pair for pair in itertools.combinations(range(len(names)), 2) if not math.isclose(given[pair], of_pairs[pair])]
-    if not pairs:
-        return []
-    (one, other), *others = pairs
-    more = f" and {len(others)} other pairs" if others else ""
-    return [f"{what} {given[one, other]:g} instead of {of_pairs[one, other]:g} between {names[one]} and {names[other]}{more}"]
 
 
 def switches(pushes: Sequence[Push], timestep: float) -> dict[int, tuple[Push, ...]]:

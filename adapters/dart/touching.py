@@ -36,8 +36,9 @@ from bodycheck.adapters.dart.contact import (
     touching,
 )
 from bodycheck.adapters.links import link_of
+from bodycheck.adapters.pair_coefficients import differing, shared, wanted
 from bodycheck.adapters.stepping import Loop, several
-from bodycheck.adapters.touching import coefficients, differing, plane_of, shares, switches, touching_bodies
+from bodycheck.adapters.touching import plane_of, switches, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Push, Shape
 from bodycheck.reference.trajectory import Array
@@ -87,7 +88,7 @@ def built(scene: AnyScene, method: Method) -> Touching:
         raise SceneUnsupported("an ellipsoid, which ODE's detector replaces by a small sphere")
     world.setGravity([0.0, 0.0, -scene.gravity])
     world.setTimeStep(method.timestep)
-    frictions, restitutions = of_bodies(scene)
+    frictions, restitutions = of_bodies(scene, len(parts))
     bodies = []
     for number, part in enumerate(parts):
         skeleton = dart.dynamics.Skeleton(f"body {number}")
@@ -135,34 +136,29 @@ def terms(scene: AnyScene, method: Method) -> str:
     """Return the contact law that DART has in the place of a scene's, as `ContactTerms.contact_terms` does."""
     if scene.plane is None:
         return ""
-    pairs = coefficients(scene)
+    parts = touching_bodies(scene)
+    friction, restitution = wanted(scene, len(parts))
     phrases = []
-    if pairs.friction.any() and method.option("solver") not in CONES:
+    if any(friction.values()) and method.option("solver") not in CONES:
         along = "along y and down the plane" if scene.plane.incline else "along x and y"
         phrases.append(f"friction limited in each of two directions, {along}, instead of by a cone")
-    if np.any((pairs.friction > 0) & (pairs.friction <= NO_FRICTION)):
+    if any(0 < value <= NO_FRICTION for value in friction.values()):
         phrases.append(f"no friction where the coefficient is at most {NO_FRICTION:g}")
-    if np.any((pairs.restitution > 0) & (pairs.restitution <= NO_RESTITUTION)):
+    if any(0 < value <= NO_RESTITUTION for value in restitution.values()):
         phrases.append(f"no restitution where the coefficient is at most {NO_RESTITUTION:g}")
-    if np.any(pairs.restitution > NO_RESTITUTION):
+    if any(value > NO_RESTITUTION for value in restitution.values()):
         phrases.append(f"restitution in rebounds from {SLOWEST_REBOUND:g} m/s to {FASTEST_REBOUND:g} m/s alone")
-    frictions, restitutions = of_bodies(scene)
-    phrases += differing("friction", np.minimum.outer(frictions, frictions), pairs.friction, pairs.names)
-    phrases += differing("restitution", np.multiply.outer(restitutions, restitutions), pairs.restitution, pairs.names)
+    frictions, restitutions = of_bodies(scene, len(parts))
+    phrases += differing("friction", friction, lambda a, b: min(frictions[a], frictions[b]), parts)
+    phrases += differing("restitution", restitution, lambda a, b: restitutions[a] * restitutions[b], parts)
     return "; ".join(phrases)
 
 
-def of_bodies(scene: AnyScene) -> tuple[Array, Array]:
-    """Return the coefficients of friction and of restitution (n,) that the bodies of a scene are given; the plane is the last.
+def of_bodies(scene: AnyScene, count: int) -> tuple[dict[int, float], dict[int, float]]:
+    """Return the coefficients of friction and of restitution of the plane, with the index `WORLD`, and of bodies.
 
-    Where no coefficients of bodies give every pair its own, the pairs that the scene states count.
+    DART takes the smaller of two coefficients of friction, and the product of two of restitution.
     """
-    pairs = coefficients(scene)
-    every = ~np.eye(len(pairs.names), dtype=bool)
-    for counted in (every, pairs.stated & every):
-        frictions = pairs.friction.max(axis=1, where=counted, initial=0.0)
-        if np.array_equal(np.minimum.outer(frictions, frictions)[counted], pairs.friction[counted]):
-            break
-    # The logarithm of a product is twice the mean of the logarithms.
-    restitutions = shares(pairs.restitution, pairs.stated, lambda product: np.log(product) / 2, np.exp)
-    return frictions, np.minimum(restitutions, 1.0)
+    friction, restitution = wanted(scene, count)
+    products = {index: min(value, 1.0) for index, value in shared(restitution, "product").items()}
+    return shared(friction, "smaller"), products

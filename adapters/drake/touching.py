@@ -17,7 +17,6 @@ A push is an external force on the plant, from the step on that is nearest to it
 instants.
 """
 
-import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -39,16 +38,9 @@ from bodycheck.adapters.drake.mechanisms import body_name, seer
 from bodycheck.adapters.drake.models import PLANT, Model, add_link, configured, controlled, integrated, stepping_to
 from bodycheck.adapters.links import link_of
 from bodycheck.adapters.mechanisms import in_body_axes
+from bodycheck.adapters.pair_coefficients import COMBINED, differing, shared, wanted
 from bodycheck.adapters.stepping import Loop
-from bodycheck.adapters.touching import (
-    TouchingBody,
-    coefficients,
-    differing,
-    plane_of,
-    shares,
-    switches,
-    touching_bodies,
-)
+from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
 from bodycheck.reference import scene as shapes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
@@ -256,55 +248,59 @@ def terms(scene: AnyScene, method: Method) -> str:
     """Return the contact law that Drake has in the place of a scene's, as `ContactTerms.contact_terms` does."""
     if scene.plane is None:
         return ""
-    pairs, parts = coefficients(scene), touching_bodies(scene)
+    parts = touching_bodies(scene)
+    friction, restitution = wanted(scene, len(parts))
     phrases = []
-    if pairs.friction.any():
+    if any(friction.values()):
         tolerance = f", with a stiction tolerance of {MultibodyPlantConfig().stiction_tolerance:g} m/s"
         phrases.append(f"friction that grows with the slip{tolerance if method.integrator != WITHOUT_DISSIPATION else ''}")
-    if pairs.restitution.any() and method.integrator == WITHOUT_DISSIPATION:
+    if any(restitution.values()) and method.integrator == WITHOUT_DISSIPATION:
         phrases.append("no restitution, since sap ignores the dissipation of Hunt and Crossley")
-    elif pairs.restitution.any():
-        wanted, speeds = dissipation_of_pairs(pairs.restitution, parts, scene)
-        for one, other in itertools.combinations(range(len(pairs.names)), 2):
-            if pairs.restitution[one, other] and pairs.stated[one, other]:
-                between = f" between {pairs.names[one]} and {pairs.names[other]}" if len(parts) > 1 else ""
+    elif any(restitution.values()):
+        stated = {law.bodies for law in laws(scene)}
+        for pair, value in restitution.items():
+            if value and (pair in stated or WORLD in pair):
+                speed = impact_speed(*pair, parts, scene)
+                names = ["the plane" if index == WORLD else parts[index].name for index in pair]
+                between = f" between {names[1]} and {names[0]}" if len(parts) > 1 else ""
                 phrases.append(
-                    f"dissipation {wanted[one, other]:.3g} s/m of Hunt and Crossley for the restitution "
-                    f"{pairs.restitution[one, other]:g} at {speeds[one, other]:.3g} m/s{between}"
+                    f"dissipation {dissipation_of(value, speed):.3g} s/m of Hunt and Crossley for the restitution {value:g} at "
+                    f"{speed:.3g} m/s{between}"
                 )
     frictions, _ = of_bodies(scene, parts)
-    sums = np.add.outer(frictions, frictions)
-    given = 2 * np.multiply.outer(frictions, frictions) / np.where(sums, sums, 1.0)
-    return "; ".join(phrases + differing("friction", given, pairs.friction, pairs.names))
+    harmonic = COMBINED["harmonic mean"]
+    phrases += differing("friction", friction, lambda a, b: harmonic(frictions[a], frictions[b]), parts)
+    return "; ".join(phrases)
 
 
-def of_bodies(scene: AnyScene, parts: Sequence[TouchingBody]) -> tuple[Array, Array]:
-    """Return the coefficients of friction, and the dissipations (s/m), (n,) of bodies; the plane is the last.
+def of_bodies(scene: AnyScene, parts: Sequence[TouchingBody]) -> tuple[dict[int, float], dict[int, float]]:
+    """Return the coefficients of friction, and the dissipations (s/m), of the plane, with the index `WORLD`, and of bodies.
 
     Drake takes the harmonic mean of two coefficients of friction, and of two dissipations of bodies that are equally stiff the
     mean.
     """
-    pairs = coefficients(scene)
-    frictions = shares(pairs.friction, pairs.stated, np.reciprocal, lambda x: 1 / np.maximum(x, 1 / MOST_FRICTION))
-    wanted, _ = dissipation_of_pairs(pairs.restitution, parts, scene)
-    return frictions, np.maximum(shares(wanted, pairs.stated, np.asarray, np.asarray), 0.0)
+    friction, restitution = wanted(scene, len(parts))
+    dissipations = {pair: dissipation_of(value, impact_speed(*pair, parts, scene)) for pair, value in restitution.items()}
+    frictions = {index: min(value, MOST_FRICTION) for index, value in shared(friction, "harmonic mean").items()}
+    return frictions, shared(dissipations, "mean")
 
 
-def dissipation_of_pairs(restitution: Array, parts: Sequence[TouchingBody], scene: AnyScene) -> tuple[Array, Array]:
-    """Return the dissipations (n, n), in s/m, of pairs with coefficients of restitution (n, n), and the speeds of impacts.
+def dissipation_of(restitution: float, speed: float) -> float:
+    """Return the dissipation (s/m) of a pair with a coefficient of restitution that meets at a speed (m/s)."""
+    return dissipation(restitution, speed) if restitution > 0 and speed > 0 else DISSIPATION
 
-    The speed (m/s) of an impact on the plane is that of the centre of mass after its first fall. The speed of two bodies is
-    their relative speed at the start, or else that of the faster fall.
+
+def impact_speed(one: int, other: int, parts: Sequence[TouchingBody], scene: AnyScene) -> float:
+    """Return the speed (m/s) of the first impact of two bodies, given by their indices, of which one may be `WORLD`.
+
+    On the plane it is that of the centre of mass after its first fall. That of two bodies is their relative speed at the start,
+    or else that of the faster fall.
     """
-    falls = np.array([*(fall(part, scene) for part in parts), 0.0])
-    velocities = np.array([*(part.start.velocity for part in parts), (0.0, 0.0, 0.0)])
-    relative = np.linalg.norm(velocities[:, None] - velocities, axis=2)
-    relative[WORLD] = relative[:, WORLD] = 0.0
-    speeds = np.where(relative, relative, np.maximum.outer(falls, falls))
-    wanted = np.full(restitution.shape, DISSIPATION)
-    for pair in zip(*np.nonzero((restitution > 0) & (speeds > 0)), strict=True):
-        wanted[pair] = dissipation(float(restitution[pair]), float(speeds[pair]))
-    return wanted, speeds
+    if WORLD not in (one, other):
+        velocities = np.array([parts[index].start.velocity for index in (one, other)])
+        if relative := float(np.linalg.norm(velocities[0] - velocities[1])):
+            return relative
+    return max(fall(parts[index], scene) for index in (one, other) if index != WORLD)
 
 
 def fall(part: TouchingBody, scene: AnyScene) -> float:

@@ -15,7 +15,6 @@ A push is a force of Newton's (`State.body_f`), which is computed at the start o
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
 from typing import Any
 
 import newton
@@ -23,13 +22,14 @@ import numpy as np
 import warp as wp
 from newton.solvers import mujoco
 
-from bodycheck.adapters.contract import Method, SceneUnsupported, SensingSimulation
+from bodycheck.adapters.contract import Method, SensingSimulation
 from bodycheck.adapters.links import link_of, tensor
 from bodycheck.adapters.mujoco import touching as of_mujoco
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton.mechanisms import by_mujoco, twist
 from bodycheck.adapters.newton.sensing import Instruments, add_sites, transform
 from bodycheck.adapters.newton.solvers import SOLVERS
+from bodycheck.adapters.pair_coefficients import coefficients, differences
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.adapters.touching import Law, Pushed, TouchingBody, laws, plane_of, switches, touching_bodies
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
@@ -164,26 +164,12 @@ def built(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method, senso
 
 
 def materials_of(scene: AnyScene, bodies: int, method: Method) -> list[tuple[float, float]]:
-    """Return the friction and the restitution of the plane and of each body, of which Newton makes those of pairs.
-
-    Raises `SceneUnsupported` if the mean of two shapes cannot be the coefficient of each pair.
-    """
-    usual, *others = laws(scene)
-    if by_mujoco(method) or not others:
+    """Return the friction and the restitution of the plane and of each body, of which Newton makes those of pairs."""
+    usual, *_ = laws(scene)
+    if by_mujoco(method):
         return [(usual.friction, usual.restitution)] * (bodies + 1)
-    by_bodies = {law.bodies: law for law in others}
-    pairs = list(combinations(range(WORLD, bodies), 2))
-    wanted = np.array([(law.friction, law.restitution) for law in (by_bodies.get(pair, usual) for pair in pairs)])
-    halves = np.zeros((len(pairs), bodies + 1))
-    for row, pair in enumerate(pairs):
-        halves[row, np.array(pair) - WORLD] = 0.5
-    materials = np.linalg.lstsq(halves, wanted, rcond=None)[0]
-    if not np.allclose(halves @ materials, wanted) or (materials < -ROUNDING).any():
-        raise SceneUnsupported(
-            "Newton's XPBD takes the mean of the coefficients of two shapes, and no coefficients of the bodies have those of "
-            "all pairs as their means"
-        )
-    return [(friction, restitution) for friction, restitution in np.maximum(materials, 0.0).tolist()]
+    given = coefficients(scene, bodies, "mean")
+    return [(given[index].friction, given[index].restitution) for index in (WORLD, *range(bodies))]
 
 
 def shape_of_material(material: tuple[float, float], method: Method) -> dict[str, Any]:
@@ -239,9 +225,12 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     """Return what Newton is handed in the place of a scene's friction and restitution, as `ContactTerms` does."""
     if by_mujoco(method):
         return of_mujoco.contact_terms(scene, method)
-    if not touches(scene) or not any(law.restitution for law in laws(scene)):
+    if not touches(scene):
         return ""
-    return f"restitution above {2 * scene.gravity * method.timestep:.3g} m/s, without friction of its impulse"
+    phrases = differences(scene, touching_bodies(scene), "mean")
+    if any(law.restitution for law in laws(scene)):
+        phrases.append(f"restitution above {2 * scene.gravity * method.timestep:.3g} m/s, without friction of its impulse")
+    return "; ".join(phrases)
 
 
 def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:

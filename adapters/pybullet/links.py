@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pybullet
 
-from bodycheck.adapters.links import Link
-from bodycheck.adapters.urdf import file_of, urdf
+from bodycheck.adapters.links import Link, file_of, urdf
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.scene import Quaternion, Vector
 

@@ -18,9 +18,9 @@ import numpy as np
 import pybullet
 
 from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.links import angles, file_of, link_element, spaced
 from bodycheck.adapters.mechanisms import bounds, check_rebounds, has_mass, link_of, starts, stops_of, trees
 from bodycheck.adapters.pybullet.links import BASE
-from bodycheck.adapters.urdf import angles, file_of, link_element, spaced
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_inertia, nearest_turn

@@ -23,7 +23,7 @@ from bodycheck.adapters.contract import (
     Usage,
     choice,
 )
-from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_origin
+from bodycheck.adapters.links import Link, state_in, urdf, velocity_of, velocity_to_origin
 from bodycheck.adapters.mechanisms import at_centres
 from bodycheck.adapters.pair_coefficients import Coefficients
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms, sensing, touching
@@ -33,7 +33,6 @@ from bodycheck.adapters.rapier.sensing import lacking as lacking
 from bodycheck.adapters.rapier.worlds import World, add_plane, check, collider, moving, new_world, rows, seen, unlimited
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.adapters.touching import lying_shape, touching_bodies
-from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism

@@ -9,8 +9,7 @@ from typing import Any
 
 from sapien import Pose, Scene, physx
 
-from bodycheck.adapters.links import Link
-from bodycheck.adapters.urdf import file_of, urdf
+from bodycheck.adapters.links import Link, file_of, urdf
 
 #: The limit of speed that means no limit: PhysX's default for the velocity, whose square PhysX computes in single precision.
 NO_LIMIT = 1e16

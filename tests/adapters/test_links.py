@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bodycheck.adapters.links import Link, carried, state_in, velocity_of, velocity_to_origin
-from bodycheck.adapters.urdf import angles, urdf
+from bodycheck.adapters.links import Link, angles, carried, state_in, urdf, velocity_of, velocity_to_origin
 from bodycheck.reference.kinematics import conjugate, geodesic_angle, rotate
 from bodycheck.reference.scene import Quaternion, State
 

@@ -1,7 +1,6 @@
-"""Coefficients of bodies whose products or means are those of pairs, and the pushes that act in each step."""
+"""Coefficients of bodies from which engines make those of pairs, and the pushes that act in each step."""
 
 import itertools
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +15,7 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairConta
 from bodycheck.reference.scene import Plane, Push
 
 #: Functions that combine the coefficients of two bodies.
-RULES: dict[Combination, Callable[[float, float], float]] = {"product": lambda a, b: a * b, "mean": lambda a, b: (a + b) / 2}
+RULES = COMBINED
 
 STACK = load("stack-of-ten").scene
 assert isinstance(STACK, Mechanism)
@@ -77,7 +76,7 @@ def test_a_pair_without_restitution_beside_others_with_it(rule: Combination) -> 
     given = coefficients(scene, 3, rule)
     assert RULES[rule](given[0].restitution, given[1].restitution) == pytest.approx(0.8)
     named = differences(scene, touching_bodies(scene), rule)
-    expected = [] if rule == "product" else ["restitution 0.4 instead of 0 of the plane and brick-1 and of 2 other pairs"]
+    expected = [] if rule != "mean" else ["restitution 0.4 instead of 0 of the plane and brick-1 and of 2 other pairs"]
     assert named == expected
 
 
