@@ -32,10 +32,10 @@ class Integrator:
         The kinds of scene for which the integrator is offered; empty if the installed release lacks it.
     options
         The options of the integrator by their keys.
-    refuses
-        Why scenes of some kinds, which are among `kinds`, are `unsupported`: a predicate whose subject is the integrator.
     demonstrates
         What the integrator demonstrates, as a phrase, if it exists for demonstration only; empty for all other integrators.
+    refuses
+        Why scenes of some kinds, which are among `kinds`, are `unsupported`: a predicate whose subject is the integrator.
     """
 
     name: str
@@ -43,8 +43,8 @@ class Integrator:
     evaluations: int | None = None
     kinds: frozenset[Kind] = KINDS
     options: Mapping[str, Option] = field(default_factory=dict)
-    refuses: Mapping[Kind, str] = field(default_factory=dict)
     demonstrates: str = ""
+    refuses: Mapping[Kind, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

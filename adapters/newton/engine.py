@@ -39,7 +39,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(newton.__version__),
     integrators=tuple(
-        Integrator(name, solver.order, solver.evaluations, solver.kinds, solver.options, solver.refuses)
+        Integrator(name, solver.order, solver.evaluations, solver.kinds, solver.options, refuses=solver.refuses)
         for name, solver in SOLVERS.items()
     ),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
