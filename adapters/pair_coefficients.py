@@ -49,9 +49,9 @@ def wanted(scene: AnyScene, count: int) -> tuple[Pairs, Pairs]:
 def shared(pairs: Pairs, rule: Combination) -> dict[int, float]:
     """Return the coefficients of the plane, with the index `WORLD`, and of bodies.
 
-    By a rule they give the first pairs that do not contradict. Rules of means are linear equations of logarithms, of coefficients,
-    or of their reciprocals. A body whose pairs all have the coefficient zero has itself zero; other pairs with zero have neither
-    logarithm nor reciprocal, and are left out.
+    By a rule they give the first pairs that do not contradict. Rules of means are linear equations of logarithms, of
+    coefficients, or of their reciprocals. A body whose pairs all have the coefficient zero has itself zero; other pairs with
+    zero have neither logarithm nor reciprocal, and are left out.
     """
     indices = sorted({index for pair in pairs for index in pair})
     values = set(pairs.values())

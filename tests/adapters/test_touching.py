@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bodycheck import load
-from bodycheck.adapters.pair_coefficients import Coefficients, Combination, coefficients, differences
+from bodycheck.adapters.pair_coefficients import COMBINED, Coefficients, Combination, coefficients, differences
 from bodycheck.adapters.touching import acting, switches, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact
 from bodycheck.reference.scene import Plane, Push

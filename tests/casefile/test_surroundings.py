@@ -252,3 +252,13 @@ def test_bodies_on_joints_touch_nothing() -> None:
     joint = '[[joints]]\nname = "pin"\ntype = "spherical"\nchild = "box"\n'
     pair = '[[scene.contacts]]\nbodies = ["ball-1", "box"]\nfriction = 0.5\nrestitution = 0.0\n'
     assert faults(BALLS + pair + joint) == ["scene.contacts: bodies on joints touch nothing; allowed: contacts, or joints"]
+
+
+def test_a_joint_whose_name_is_a_table_is_a_fault_of_its_name() -> None:
+    joint = '[[joints]]\nname = {at_most = 1}\ntype = "revolute"\nchild = "box"\naxis = [0.0, 0.0, 1.0]\n'
+    follower = (
+        '[[joints]]\nname = "pin"\ntype = "revolute"\nchild = "ball-1"\naxis = [0.0, 0.0, 1.0]\nmimic = {joint = "other"}\n'
+    )
+    reported = faults(BALLS + joint + follower)
+    assert any(fault.startswith("joints[1].name:") for fault in reported)
+    assert "joints[2].mimic.joint" in "".join(reported)

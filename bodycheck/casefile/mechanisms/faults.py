@@ -136,8 +136,9 @@ def _circles(joints: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
 
 def _of_mimicry(joints: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
     """Yield the faults of rules by which joints follow others: unknown joints, circles, and a start of their own."""
-    leaders = {joint.get("name"): mapping(joint.get("mimic")).get("joint") for joint in joints}
-    single = [joint["name"] for joint in joints if joint.get("type") in ("revolute", "prismatic") and "name" in joint]
+    named = {joint["name"]: joint for joint in joints if isinstance(joint.get("name"), str)}
+    leaders = {name: mapping(joint.get("mimic")).get("joint") for name, joint in named.items()}
+    single = [name for name, joint in named.items() if joint.get("type") in ("revolute", "prismatic")]
     for index, joint in enumerate(joints):
         leader = mapping(joint.get("mimic")).get("joint")
         if not isinstance(leader, str):
