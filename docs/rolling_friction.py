@@ -9,7 +9,13 @@ from bodycheck.reference.trajectory import Array
 
 RADIUS, GRAVITY, FRICTION, TIMESTEP_S = 0.1, 9.81, 0.5, 0.001
 
-METHODS = ("Euler", "Euler:impratio=100", "Euler:cone=elliptic", "Euler:cone=elliptic,impratio=10", "Euler:cone=elliptic,impratio=100")
+METHODS = (
+    "Euler",
+    "Euler:impratio=100",
+    "Euler:cone=elliptic",
+    "Euler:cone=elliptic,impratio=10",
+    "Euler:cone=elliptic,impratio=100",
+)
 COEFFICIENTS, SPEEDS = (2e-3, 1e-4), (1.0, 0.1)
 
 #: The span in which the deceleration is measured (s), after the ball has sunk into the contact.

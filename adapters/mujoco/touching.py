@@ -38,9 +38,7 @@ from bodycheck.reference.scene import Push
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that MuJoCo models, of which restitution is an approximation.
-MODELS = frozenset(
-    {"incline", "restitution", "rolling", "rolling friction", "torsional friction", "pushes", "contacts"}
-)
+MODELS = frozenset({"incline", "restitution", "rolling", "rolling friction", "torsional friction", "pushes", "contacts"})
 
 #: The number of steps that a bounce lasts with `restitution=solref`. A shorter bounce is not resolved, a longer one is softer.
 STEPS_OF_A_BOUNCE = 20
@@ -275,7 +273,9 @@ def law_written(law: Law, method: Method) -> dict[str, str]:
     """
     chosen = dict(method.options)
     if 0 < law.rolling_friction < contact.MUJOCO_MIN_FRICTION:
-        raise SceneUnsupported(f"a rolling friction of {law.rolling_friction:g} m; the least is {contact.MUJOCO_MIN_FRICTION:g} m")
+        raise SceneUnsupported(
+            f"a rolling friction of {law.rolling_friction:g} m; the least is {contact.MUJOCO_MIN_FRICTION:g} m"
+        )
     needed = dimensions(law)
     attributes = {"condim": contact.dimensions(law.friction, chosen if needed is None else {"condim": needed} | chosen)}
     attributes |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}

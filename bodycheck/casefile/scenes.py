@@ -4,7 +4,15 @@ from dataclasses import replace
 from typing import Protocol
 
 from bodycheck.casefile import grammar
-from bodycheck.casefile.surroundings import BODY, attitude_on, build_contacts, build_plane, build_push, coefficients, position_on
+from bodycheck.casefile.surroundings import (
+    BODY,
+    attitude_on,
+    build_contacts,
+    build_plane,
+    build_push,
+    coefficients,
+    position_on,
+)
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.reference.exact.numbers import MP, Real, real
 from bodycheck.reference.exact.start import defined_scene, start

@@ -273,7 +273,9 @@ def _curved(ball: _Ball, now: _Now, instants: Sequence[Decimal]) -> tuple[list[_
     rows, reached = _integrated(ball, now, kind, [*start, *parameters], times)
     balls = [_read(ball, now, kind, row) for row in rows]
     if reached >= until:
-        after = _Now(balls[-1].position, balls[-1].turn, balls[-1].slip, balls[-1].roll, ZERO if stop == until else balls[-1].pivot)
+        after = _Now(
+            balls[-1].position, balls[-1].turn, balls[-1].slip, balls[-1].roll, ZERO if stop == until else balls[-1].pivot
+        )
         return balls[: len(here)], (until if stop == until else None), after
     last = balls[-1]
     vanished = (

@@ -27,12 +27,18 @@ def drawn(seed: int) -> dict[str, Any]:
     radius = chance.choice([0.05, 0.1, 0.5])
     incline = chance.choice([0.0, 0.0, 0.05, 0.3, chance.uniform(0.01, 0.6)])
     friction = chance.choice([0.2, 0.5, 1.0, chance.uniform(0.1, 1.5)])
-    share = chance.choice([0.3, 0.6, chance.uniform(0.3, 0.9)]) if kind != "along a line" else chance.choice([0.02, 0.3, 1.0, 5.0])
+    share = (
+        chance.choice([0.3, 0.6, chance.uniform(0.3, 0.9)]) if kind != "along a line" else chance.choice([0.02, 0.3, 1.0, 5.0])
+    )
     plane = {"friction": friction, "incline": incline, "rolling_friction": round(share * friction * radius, 6)}
     if chance.random() < 0.7:
         plane["torsional_friction"] = round(chance.uniform(0.05, 0.6) * friction * radius, 6)
     x, y = chance.choice([0.0, 1.0, -1.5]), 0.0
-    turning = [0.0, chance.choice([0.0, x, chance.uniform(-3, 3)]) / radius, chance.choice([0.0, chance.uniform(-2, 2)]) / radius]
+    turning = [
+        0.0,
+        chance.choice([0.0, x, chance.uniform(-3, 3)]) / radius,
+        chance.choice([0.0, chance.uniform(-2, 2)]) / radius,
+    ]
     if kind != "along a line":
         x, y = chance.uniform(-1, 1), chance.uniform(0.1, 1)
         turning[:2] = chance.uniform(0.1, 2) / radius, chance.uniform(-2, 2) / radius
@@ -54,6 +60,5 @@ def drawn(seed: int) -> dict[str, Any]:
 
 def _along(incline: float, x: float, y: float) -> list[float]:
     """Return a velocity along an inclined plane, as well as doubles can."""
-
 
     return [x * math.cos(incline), y, -x * math.sin(incline)]

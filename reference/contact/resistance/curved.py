@@ -298,4 +298,3 @@ def _at(equations: Equations, step: Step, times: WideArray) -> WideArray:
 
 def _lengths(vectors: WideArray) -> WideArray:
     return np.asarray(np.sqrt((vectors * vectors).sum(axis=1)))
-

@@ -1,7 +1,6 @@
 """The motion of one sphere on a plane with rolling or torsional friction, leg by leg until it rests."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np

@@ -133,9 +133,13 @@ def _rates(flow: Flow) -> tuple[Real, ...]:
         size = _size(flow)
         weights = mu**2 / size, rolling**2 / size, torsional**2 / size
     else:
-        weights = tuple(c / MP.hypot(*pair) if any(pair) else MP.mpf(0) for c, pair in ((mu, (u_1, u_2)), (rolling, (p_1, p_2))))
+        weights = tuple(
+            c / MP.hypot(*pair) if any(pair) else MP.mpf(0) for c, pair in ((mu, (u_1, u_2)), (rolling, (p_1, p_2)))
+        )
         weights = (*weights, torsional / abs(s) if s else MP.mpf(0))
-    f_1, f_2, m_1, m_2 = (-load * w * v for w, v in ((weights[0], u_1), (weights[0], u_2), (weights[1], p_1), (weights[1], p_2)))
+    f_1, f_2, m_1, m_2 = (
+        -load * w * v for w, v in ((weights[0], u_1), (weights[0], u_2), (weights[1], p_1), (weights[1], p_2))
+    )
     return (
         pull + f_1 + lever * (f_1 - m_1),
         f_2 + lever * (f_2 - m_2),
@@ -158,9 +162,7 @@ def kept_ratio(flow: Flow) -> tuple[Real, ...] | None:
         return None
     rates = _rates(flow)
     x, y = direction
-    slip, turning, faster, growth = (
-        a * x + b * y for a, b in (flow.slipping, flow.turning, rates[:2], rates[2:4])
-    )
+    slip, turning, faster, growth = (a * x + b * y for a, b in (flow.slipping, flow.turning, rates[:2], rates[2:4]))
     if not growth or abs(faster / slip - growth / turning) > KEPT * abs(growth / turning):
         return None
     faster = growth / turning * slip

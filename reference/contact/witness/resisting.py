@@ -92,7 +92,11 @@ def _course(flow: Flow, moving: Moving, end: Real, parts: list[Piece]) -> list[I
         if number:
             slips = flow.slips or (rates is not None and any(rates[:2]))
             kind = "rest" if not moves else "slip" if slips and not slipped else "roll" if slipped and not slips else ""
-            events += [Instant(kind, float(moving.time), EPS * float(moving.time))] if kind and (kind == "rest" or not flow.one) else []
+            events += (
+                [Instant(kind, float(moving.time), EPS * float(moving.time))]
+                if kind and (kind == "rest" or not flow.one)
+                else []
+            )
             slipped = slips
         if rates is None:
             after = flowed(flow, moving, end, parts)
@@ -104,9 +108,7 @@ def _course(flow: Flow, moving: Moving, end: Real, parts: list[Piece]) -> list[I
     raise OutOfReach(f"a sphere with more than {MOST_PARTS} changes of its motion")
 
 
-def _uniform(
-    flow: Flow, rates: Sequence[Real], moving: Moving, end: Real, parts: list[Piece]
-) -> tuple[Flow, Moving] | None:
+def _uniform(flow: Flow, rates: Sequence[Real], moving: Moving, end: Real, parts: list[Piece]) -> tuple[Flow, Moving] | None:
     """Append a part with constant rates of the velocities, and return what follows it; None if it lasts until `end` (s)."""
     values = *flow.slipping, *flow.turning, flow.pivoting
     lasting = min((-v / a for v, a in zip(values, rates, strict=True) if v * a < 0), default=MP.inf)

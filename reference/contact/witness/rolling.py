@@ -238,9 +238,7 @@ def _advance(body: Round, moving: Moving, friction: Vector, until: Real, end: Re
     return advanced(moving, plus(body.pull, friction), faster, until, end, parts)
 
 
-def advanced(
-    moving: Moving, acceleration: Vector, faster: Vector, until: Real, end: Real, parts: list[Piece]
-) -> Moving | None:
+def advanced(moving: Moving, acceleration: Vector, faster: Vector, until: Real, end: Real, parts: list[Piece]) -> Moving | None:
     """Append the steps until `until`, or at least `end` (s), with a constant acceleration and rate of the spin.
 
     Returns the body at `until`; None if `until` is after `end`.

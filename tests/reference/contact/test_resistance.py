@@ -14,8 +14,8 @@ from bodycheck.reference.contact.resistance import motion as way
 from bodycheck.reference.contact.ways import contact_motion
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
-from bodycheck.reference.truth import computed
 from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import computed
 from tests.support.round_bodies import ball_on
 
 Patch = pytest.MonkeyPatch
