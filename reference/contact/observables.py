@@ -76,7 +76,8 @@ def rest(body: Touching, motion: Trajectory, struck: tuple[Impact, ...], gravity
     """The instant (s) at which a body comes to rest; if it still moves at the last instant, the last instant.
 
     The body rests when the speed of its kinetic energy (see `_speeds`) stays below `STOP_SPEED_FRACTION` of the largest speed.
-    A spin about the normal does not count for a sphere without torsional friction, since nothing brakes it. The instant is extrapolated from the last two
+    A spin about the normal does not count for a sphere without torsional friction, since nothing brakes it. The instant is
+    extrapolated from the last two
     samples above this limit, or from the last bounce that is seen; for a sliding body it is not later than the next sample. It
     is exact for a body that slides or bounces as a rigid body.
     """

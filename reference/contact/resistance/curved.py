@@ -34,7 +34,7 @@ NEWTON_STEPS = 60
 #: Indices of the parts of a state: slip, rolling velocity, pivoting velocity, position along the plane, rotation, time.
 U, P, S, X, Q, T = slice(0, 2), slice(2, 4), 4, slice(5, 7), slice(7, 11), 11
 
-#: How a sphere moves: in one cone, on a level plane or not, or with separate limits in slip and roll, in slip, or in roll alone.
+#: How a sphere moves: in one cone, on a level plane or not, or with separate limits in slip and roll, or in one of these alone.
 Mode = Literal["level", "one", "both", "slip", "roll"]
 
 
@@ -182,7 +182,7 @@ class Equations:
 
 
 def curved(body: Resisted, start: Pose, instants: WideArray, until: Wide) -> Curved:
-    """Return a leg from its start on, at ascending instants (n,), s, after it, until a velocity vanishes or at most `until` (s).
+    """Return a leg at ascending instants (n,), s, after its start, until a velocity vanishes or at most `until` (s).
 
     It also ends when the velocities keep their ratios. Raises `NotModelled` for a sphere that begins to slip while it turns
     across the fall line, and `OutOfReach` for too many steps.
@@ -237,7 +237,7 @@ def _mode(body: Resisted, start: Pose) -> Mode:
 
 
 def _equations(body: Resisted, start: Pose, mode: Mode, speed: Wide) -> tuple[Equations, Wide]:
-    """The equations in units of a speed (m/s) and of a time, and this time (s): in it, friction or gravity changes the speed."""
+    """The equations in units of a speed (m/s) and of a time, and this time (s), in which friction changes the speed."""
     strongest = body.load * max(body.rolling, body.pivoting, body.friction if np.isfinite(float(body.friction)) else 0)
     rate = wide(max(strongest, body.downhill))
     time = speed / rate

@@ -1,4 +1,4 @@
-"""Legs with constant accelerations: motions along a line with separate limits, or of any kind whose velocities keep their ratios.
+"""Legs with constant accelerations: motions along a line with separate limits, or with velocities that keep their ratios.
 
 Along a line with separate limits, the slip u, the rolling velocity p and the pivoting velocity s change at constant rates until
 one of them vanishes. One that is zero stays zero where a force within its limit can hold it; if not, it takes the sign that its

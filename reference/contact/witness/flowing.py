@@ -1,10 +1,10 @@
 """Motions of a sphere with rolling and torsional friction as power series, step by step.
 
 The velocities are the slip u, the rolling velocity p = r w x n and the pivoting velocity s = r w n, along two directions of the
-plane. The part of a step is the parameter, and each velocity is in units of its size at the start of the step, if it is not zero. The pace of time
-is the product of the sizes of slip and rolling velocity, or the size of that which friction does not keep at zero; in one cone
-it is the size of all velocities with their coefficients. No velocity vanishes then in a finite number of steps, and all
-equations are polynomials.
+plane. The part of a step is the parameter, and each velocity is in units of its size at the start of the step, if it is not
+zero. The pace of time is the product of the sizes of slip and rolling velocity, or the size of that which friction does not
+keep at zero; in one cone it is the size of all velocities with their coefficients. No velocity vanishes then in a finite
+number of steps, and all equations are polynomials.
 """
 
 from dataclasses import dataclass, replace
@@ -287,7 +287,7 @@ def _shortened(pace: Series, step: Real, lasting: Real) -> Real:
 
 
 def _length(flow: Flow, u: Real, p: Real) -> Real:
-    """The length of a step (s) in which no velocity changes by much more than its size, and the sphere turns by some radians."""
+    """The length of a step (s) in which no velocity changes by much more than its size, and the sphere does not turn far."""
     mu, rolling, torsional = flow.coefficients
     load, lever, pull = flow.body.load, flow.body.lever, norm(flow.body.pull)
     if flow.one:
