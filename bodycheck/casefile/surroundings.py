@@ -108,8 +108,9 @@ def build_contacts(
     by_pair: dict[tuple[int, int], PairContact] = {}
     for table in tables:
         first, second = (_places(pattern, names) for pattern in table.bodies)
-        own = {key: value for key in OF_PAIRS if (value := getattr(table, key)) is not None}
-        law = coefficients(plane) | own | ({"friction": _coefficient(own["friction"])} if "friction" in own else {})
+        stated = {key: value for key in OF_PAIRS if (value := getattr(table, key)) is not None}
+        law = coefficients(plane) | stated
+        law |= {"friction": _coefficient(law["friction"])}
         for one in first:
             for other in second:
                 if one != other:

@@ -34,8 +34,8 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
 
     Returns None for a scene without such friction. Raises `NotModelled` for any other body with it.
     """
-    laws = () if scene.plane is None else (scene.plane, *(scene.contacts if isinstance(scene, Mechanism) else ()))
-    if not any(law.rolling_friction or law.torsional_friction for law in laws):
+    laws = scene.contact_laws if isinstance(scene, Mechanism) else (scene.plane,)
+    if not any(law is not None and (law.rolling_friction or law.torsional_friction) for law in laws):
         return None
     free = bodies(scene)
     if len(free) != 1 or scene.pushes or not isinstance(free[0].shape, Sphere):
