@@ -246,8 +246,8 @@ def _equations(body: Resisted, start: Pose, mode: Mode, speed: Wide) -> tuple[Eq
     turning = speed * time / wide(body.radius)
     twist, stretch = np.sign(start.pivoting), max(Wide(1), (friction / rolling) ** 2) if mode == "one" else Wide(1)
     decay = _decay(start.velocities / speed, ratio, load / rate, friction, rolling, pivoting) if mode == "level" else None
-    numbers = ratio, downhill / rate, friction, rolling, pivoting, load / rate, turning, twist, stretch
-    return Equations(mode, *numbers, decay), time
+    forces = downhill / rate, friction, rolling, pivoting, load / rate
+    return Equations(mode, ratio, *forces, turning, twist, stretch, decay), time
 
 
 def _state(equations: Equations, start: Pose, speed: Wide) -> WideArray:
@@ -282,13 +282,13 @@ def _at(equations: Equations, step: Step, times: WideArray) -> WideArray:
     if not len(times):
         return np.zeros((0, 12), Wide)
     low, high = np.full(len(times), step.start), np.full(len(times), step.end)
-    q = (low + high) / 2
+    q: WideArray = (low + high) / 2
     states = step.at(q)
     for _ in range(NEWTON_STEPS):
         missing = times - states[:, T]
         low, high = np.where(missing > 0, q, low), np.where(missing > 0, high, q)
         newton = q + missing / equations.pace(states)
-        after = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
+        after: WideArray = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
         settled = np.all(np.abs(after - q) <= 2 * np.finfo(Wide).eps * np.abs(step.end))
         q, states = after, step.at(after)
         if settled:
