@@ -76,7 +76,8 @@ def rest(body: Touching, motion: Trajectory, struck: tuple[Impact, ...], gravity
     """The instant (s) at which a body comes to rest; if it still moves at the last instant, the last instant.
 
     The body rests when the speed of its kinetic energy (see `_speeds`) stays below `STOP_SPEED_FRACTION` of the largest speed.
-    A spin about the normal does not count for a sphere, since nothing brakes it. The instant is extrapolated from the last two
+    A spin about the normal does not count for a sphere without torsional friction, since nothing brakes it. The instant is
+    extrapolated from the last two
     samples above this limit, or from the last bounce that is seen; for a sliding body it is not later than the next sample. It
     is exact for a body that slides or bounces as a rigid body.
     """
@@ -149,10 +150,10 @@ def _at(t: Array, values: Array, rates: Array, time: float) -> float:
 def _speeds(body: Touching, motion: Trajectory) -> Array:
     """The speed (n,), m/s, at which a body would have its kinetic energy without rotation.
 
-    The spin of a sphere about the normal does not count.
+    The spin of a sphere about the normal does not count if nothing brakes it.
     """
     turning = motion.angular_velocity
-    if isinstance(body.shape, Sphere):
+    if isinstance(body.shape, Sphere) and body.pivots_freely:
         down = into_plane(body, motion)
         turning = turning - dot(turning, down)[:, None] * down
     return np.asarray(np.sqrt(dot(motion.velocity, motion.velocity) + dot(turning @ body.tensor, turning) / body.mass))

@@ -29,6 +29,8 @@ class Touching:
         The normal of the plane, world frame.
     restitution
         Coefficient of restitution between the body and the plane.
+    pivots_freely
+        Whether nothing brakes the spin of a sphere about the normal, as there is no torsional friction.
     """
 
     shape: Shape
@@ -36,6 +38,7 @@ class Touching:
     tensor: Array
     normal: Vector
     restitution: float
+    pivots_freely: bool = True
 
 
 def touching(scene: AnyScene) -> tuple[Touching, ...]:
@@ -43,13 +46,14 @@ def touching(scene: AnyScene) -> tuple[Touching, ...]:
     plane = scene.plane
     if plane is None:
         return ()
-    restitutions = {pair.bodies: pair.restitution for pair in scene.contacts} if isinstance(scene, Mechanism) else {}
+    pairs = {pair.bodies: pair for pair in scene.contacts} if isinstance(scene, Mechanism) else {}
     touching_bodies = []
     for index, body in enumerate(bodies(scene)):
         if body.shape is None:
             return ()
-        restitution = restitutions.get((WORLD, index), plane.restitution)
-        touching_bodies.append(Touching(body.shape, body.mass, body.tensor, plane.normal, restitution))
+        law = pairs.get((WORLD, index), plane)
+        freely = not law.torsional_friction
+        touching_bodies.append(Touching(body.shape, body.mass, body.tensor, plane.normal, law.restitution, freely))
     return tuple(touching_bodies)
 
 

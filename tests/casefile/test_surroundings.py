@@ -24,6 +24,9 @@ PAIR = "".join(
 BALLS = f"format = 2\n{HEAD}{PAIR}"
 
 
+NO_COEFFICIENT = "says nothing without a coefficient; give rolling_friction or torsional_friction"
+
+
 def read(text: str) -> Case:
     return parse(text, "ramp.case.toml")
 
@@ -139,6 +142,18 @@ friction = 0.4
     ).contacts[0] == PairContact((WORLD, 2), 0.1, 0.0)
 
 
+def test_a_pair_takes_over_what_it_does_not_state() -> None:
+    text = """[scene.plane]
+friction = 0.4
+rolling_friction = 0.01
+[[scene.contacts]]
+bodies = ["box", "plane"]
+torsional_friction = 0.02
+cone = "one"
+"""
+    assert bodies(text).contacts == (PairContact((WORLD, 2), 0.4, 0.0, 0.01, 0.02, "one"),)
+
+
 def test_pushes_have_times_and_bodies() -> None:
     text = "[[scene.push]]\nforce = [1.0, 0.0, 0.0]\n[[scene.push]]\nforce = [0.0, 2.0, 0.0]\npoint = [0.1, 0.0, 0.0]\n"
     timed = f"{text}from = 0.5\nuntil = 0.75\n"
@@ -174,6 +189,16 @@ def test_pushes_have_times_and_bodies() -> None:
         (
             '[scene.plane]\n[[scene.contacts]]\nbodies = ["plane", "body"]',
             "scene.contacts[1]: says nothing; give any of friction, restitution, rolling_friction, torsional_friction, cone",
+        ),
+        ('[scene.plane]\ncone = "one"', f"scene.plane.cone: read 'one'; {NO_COEFFICIENT}"),
+        (
+            '[scene.plane]\n[[scene.contacts]]\nbodies = ["plane", "body"]\ncone = "product"',
+            f"scene.contacts[1].cone: read 'product'; {NO_COEFFICIENT}",
+        ),
+        (
+            '[scene.plane]\nfriction = "no-slip"\nrolling_friction = 0.1\ncone = "one"',
+            "scene.plane.cone: read 'one'; one limit for friction and moments needs a coefficient of friction; "
+            "allowed with no-slip: product",
         ),
     ],
 )

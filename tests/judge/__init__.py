@@ -12,7 +12,8 @@ motion by equations of its own. A truth holds where no printed number is farther
 - `maximal`: trees of bodies on hinges, sliders and welds, free bases included, in the coordinates of every body.
 - `rolling`: spheres with rolling and torsional friction.
 - `slips`, `balls`, `blocks`, `drops`, `rods`, `coins`: bodies that touch a plane, by families.
-- `mechanism_scenes`, `tree_scenes`, `contact_scenes`, `rolling_scenes`, `documents`: scenes drawn from a seed, and their case files.
+- `mechanism_scenes`, `tree_scenes`, `contact_scenes`, `rolling_scenes`, `documents`: scenes drawn from a seed, and
+  their case files.
 - `verdicts`: the comparison.
 
 `python -m tests.judge mechanisms 1 500`, with `trees` or `contacts` in place of `mechanisms` too, judges so many scenes from a

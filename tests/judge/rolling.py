@@ -17,7 +17,10 @@ from tests.judge.states import Motion, State
 from tests.judge.turning import integrated, quaternion_rates, with_steady_change
 
 #: The size of a velocity, relative to its first, at which it has vanished; what is left takes its square in what follows.
-GONE = Decimal("1e-16")
+GONE = Decimal("1e-18")
+
+#: The longest step as a part of the time until a velocity vanishes.
+MOST_OF_IT = Decimal("0.7")
 
 #: Velocities (m/s) that are rounding.
 NOTHING = Decimal("1e-40")
@@ -111,7 +114,7 @@ def _line(ball: _Ball, now: _Now) -> tuple[Decimal, ...] | None:
     if ball.one:
         assert ball.friction is not None
         held = ball.drive**2 * (1 / ball.friction**2 + 1 / ball.rolling**2) <= 1
-        moving = any((*now.slip, *now.roll, now.pivot))
+        moving = any((*now.slip, *now.roll)) or (now.pivot and ball.torsional)
         return None if moving else (ZERO,) * 5 if held else _from_rest(ball)
     pairs = [pair for pair in (now.slip, now.roll) if any(pair)]
     if ball.drive or not pairs:
@@ -235,18 +238,20 @@ def _equations(kind: str) -> Tape:
         force = [part * friction / u.sqrt() for part in slip] if kind == "slip" else moment
         twist = torsional * sign
     drives = drive, drive - drive
+    rolls, slips = [], []
     for axis in (0, 1):
         if kind == "roll":
             rolled, slipped = (drives[axis] - moment[axis]) / (ratio + ONE), drive - drive
         else:
             rolled = (force[axis] - moment[axis]) / ratio
             slipped = drives[axis] - force[axis] - rolled
-        tape.rate(place[axis], slip[axis] + roll[axis])
-        tape.rate(roll[axis], rolled)
-        tape.rate(slip[axis], slipped)
-    tape.rate(pivot, -(twist / ratio))
+        rolls.append(rolled)
+        slips.append(slipped)
     spin: tuple[Any, Any, Any] = (-(roll[1] / radius), roll[0] / radius, pivot / radius)
-    for state, rate in zip(quaternion, quaternion_rates(spin, quaternion), strict=True):
+    # The states of a tape are in the order in which their rates are stated.
+    rates = [slip[axis] + roll[axis] for axis in (0, 1)] + list(quaternion_rates(spin, quaternion)) + [-(twist / ratio)]
+    rates += rolls + slips if kind == "slip" else slips + rolls
+    for state, rate in zip((*place, *quaternion, pivot, *one, *other), rates, strict=True):
         tape.rate(state, rate)
     return tape
 
@@ -265,16 +270,14 @@ def _curved(ball: _Ball, now: _Now, instants: Sequence[Decimal]) -> tuple[list[_
     times = [*here, until] if not here or here[-1] < until else here
     parameters = [ball.radius, ball.ratio, ball.drive, ball.friction, ball.rolling, ball.torsional, sign]
     start = [*now.position[:2], ONE, ZERO, ZERO, ZERO, now.pivot, *ordered]
-    tape = _equations(kind)
-    rows, reached = integrated(tape, start, parameters, times, GONE * (_size(ordered[2:]) + _size(ordered[:2])))
+    rows, reached = _integrated(ball, now, kind, [*start, *parameters], times)
     balls = [_read(ball, now, kind, row) for row in rows]
     if reached >= until:
         after = _Now(
             balls[-1].position, balls[-1].turn, balls[-1].slip, balls[-1].roll, ZERO if stop == until else balls[-1].pivot
         )
         return balls[: len(here)], (until if stop == until else None), after
-    end = integrated(tape, start, parameters, [reached], None)[0][0]
-    last = _read(ball, now, kind, end)
+    last = balls[-1]
     vanished = (
         _Now(last.position, last.turn, ZERO_PAIR, ZERO_PAIR, ZERO if ball.torsional else last.pivot)
         if kind == "cone"
@@ -284,6 +287,31 @@ def _curved(ball: _Ball, now: _Now, instants: Sequence[Decimal]) -> tuple[list[_
     )
     left = _left(ball, last, kind)
     return [each for t, each in zip(here, balls, strict=False) if t <= reached], reached + left, vanished
+
+
+def _integrated(
+    ball: _Ball, now: _Now, kind: str, start: Sequence[Decimal], times: Sequence[Decimal]
+) -> tuple[list[Sequence[Decimal]], Decimal]:
+    """Return the states of the equations at ascending times, and the last time, at which a velocity may have vanished.
+
+    A velocity that keeps its direction changes uniformly, and its series do not show that it vanishes: no step is longer than
+    most of the time that is left.
+    """
+    tape, numbers, parameters = _equations(kind), list(start[:11]), start[11:]
+    rows: list[Sequence[Decimal]] = []
+    reached, first = ZERO, _size(numbers[6:])
+    while len(rows) < len(times):
+        current = _read(ball, now, kind, numbers)
+        left = _left(ball, current, kind)
+        vanishing = _size((current.pivot * (ball.torsional > 0), *numbers[7:])) if kind == "cone" else _size(numbers[9:])
+        if vanishing <= GONE * first:
+            return rows + [numbers] * (len(times) - len(rows)), reached
+        until = min(reached + left * MOST_OF_IT, times[-1]) if left > 0 else times[-1]
+        here = [time - reached for time in times[len(rows) :] if time <= until]
+        seen, _ = integrated(tape, numbers, parameters, [*here, until - reached])
+        rows += seen[: len(here)]
+        numbers, reached = seen[-1], until
+    return rows, reached
 
 
 def _left(ball: _Ball, last: _Now, kind: str) -> Decimal:
@@ -297,9 +325,14 @@ def _left(ball: _Ball, last: _Now, kind: str) -> Decimal:
         pull = [ball.drive + ball.rolling / ball.ratio * last.roll[0] / p, ball.rolling / ball.ratio * last.roll[1] / p]
         along = sum((a * b for a, b in zip(pull, last.slip, strict=True)), ZERO) / u
         return u / (ball.friction * (1 + 1 / ball.ratio) - along)
-    size = ((ball.friction * u) ** 2 + (ball.rolling * p) ** 2 + (ball.torsional * last.pivot) ** 2).sqrt()
-    along = sum((last.roll[i] * (ball.rolling**2 * last.roll[i] - ball.friction**2 * last.slip[i]) for i in (0, 1)), ZERO)
-    return p * p * ball.ratio * size / along
+    square = (ball.friction * u) ** 2 + (ball.rolling * p) ** 2 + (ball.torsional * last.pivot) ** 2
+    falling = ball.torsional**4 * last.pivot**2 / ball.ratio
+    for i in (0, 1):
+        force, moment = ball.friction**2 * last.slip[i], ball.rolling**2 * last.roll[i]
+        rolled = (force - moment) / ball.ratio  # times the size, as all rates
+        slipped = ball.drive * square.sqrt() * (1 - i) - force - rolled
+        falling -= force * slipped + moment * rolled
+    return square * square.sqrt() / falling if falling else -ONE
 
 
 def _read(ball: _Ball, now: _Now, kind: str, row: Sequence[Decimal]) -> _Now:

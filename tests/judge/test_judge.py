@@ -20,6 +20,7 @@ from tests.judge import (
     maximal,
     mechanism_scenes,
     rods,
+    rolling_scenes,
     sensor_scenes,
     sensors,
     tree_scenes,
@@ -143,6 +144,21 @@ def test_truths_of_driven_mechanisms_hold(first: int, count: int, tmp_path: Path
     verdicts = judged(driven_scenes.judge, first, count, tmp_path)
     assert not [str(each) for each in verdicts if each.broken]
     assert sum(bool(each.refused) for each in verdicts) <= 5 + count / 5  # the others are what is judged
+
+
+@pytest.mark.parametrize("seed", [1, 8, 14], ids=["stops", "rests", "across"])
+def test_truths_of_a_few_spheres_with_rolling_friction_hold(seed: int, tmp_path: Path) -> None:
+    verdict = judged(rolling_scenes.judge, seed, 1, tmp_path)[0]
+    assert not verdict.broken
+    assert not verdict.refused
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("first", "count"), [(first, 25) for first in range(0, 300, 25)])
+def test_truths_of_spheres_with_rolling_friction_hold(first: int, count: int, tmp_path: Path) -> None:
+    verdicts = judged(rolling_scenes.judge, first, count, tmp_path)
+    assert not [str(each) for each in verdicts if each.broken]
+    assert sum(bool(each.refused) for each in verdicts) <= 10 + count / 5  # the others are what is judged
 
 
 @pytest.mark.slow

@@ -98,6 +98,8 @@ def test_the_command_shows_them(capsys: pytest.CaptureFixture[str]) -> None:
         "-",
         "-",
         "-",
+        "-",
+        "-",
     ]  # the last column is that of mechanisms
     assert app(["cases", "--requires", "--json"], result_action="return_value") == 0
     told = {case.pop("name"): case for case in json.loads(capsys.readouterr().out)}

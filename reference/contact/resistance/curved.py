@@ -34,7 +34,7 @@ NEWTON_STEPS = 60
 #: Indices of the parts of a state: slip, rolling velocity, pivoting velocity, position along the plane, rotation, time.
 U, P, S, X, Q, T = slice(0, 2), slice(2, 4), 4, slice(5, 7), slice(7, 11), 11
 
-#: How a sphere moves: in one cone, on a level plane or not, or with separate limits in slip and roll, in slip, or in roll alone.
+#: How a sphere moves: in one cone, on a level plane or not, or with separate limits in slip and roll, or in one of these alone.
 Mode = Literal["level", "one", "both", "slip", "roll"]
 
 
@@ -182,7 +182,7 @@ class Equations:
 
 
 def curved(body: Resisted, start: Pose, instants: WideArray, until: Wide) -> Curved:
-    """Return a leg from its start on, at ascending instants (n,), s, after it, until a velocity vanishes or at most `until` (s).
+    """Return a leg at ascending instants (n,), s, after its start, until a velocity vanishes or at most `until` (s).
 
     It also ends when the velocities keep their ratios. Raises `NotModelled` for a sphere that begins to slip while it turns
     across the fall line, and `OutOfReach` for too many steps.
@@ -237,7 +237,7 @@ def _mode(body: Resisted, start: Pose) -> Mode:
 
 
 def _equations(body: Resisted, start: Pose, mode: Mode, speed: Wide) -> tuple[Equations, Wide]:
-    """The equations in units of a speed (m/s) and of a time, and this time (s): in it, friction or gravity changes the speed."""
+    """The equations in units of a speed (m/s) and of a time, and this time (s), in which friction changes the speed."""
     strongest = body.load * max(body.rolling, body.pivoting, body.friction if np.isfinite(float(body.friction)) else 0)
     rate = wide(max(strongest, body.downhill))
     time = speed / rate
@@ -246,8 +246,8 @@ def _equations(body: Resisted, start: Pose, mode: Mode, speed: Wide) -> tuple[Eq
     turning = speed * time / wide(body.radius)
     twist, stretch = np.sign(start.pivoting), max(Wide(1), (friction / rolling) ** 2) if mode == "one" else Wide(1)
     decay = _decay(start.velocities / speed, ratio, load / rate, friction, rolling, pivoting) if mode == "level" else None
-    numbers = ratio, downhill / rate, friction, rolling, pivoting, load / rate, turning, twist, stretch
-    return Equations(mode, *numbers, decay), time
+    forces = downhill / rate, friction, rolling, pivoting, load / rate
+    return Equations(mode, ratio, *forces, turning, twist, stretch, decay), time
 
 
 def _state(equations: Equations, start: Pose, speed: Wide) -> WideArray:
@@ -282,13 +282,13 @@ def _at(equations: Equations, step: Step, times: WideArray) -> WideArray:
     if not len(times):
         return np.zeros((0, 12), Wide)
     low, high = np.full(len(times), step.start), np.full(len(times), step.end)
-    q = (low + high) / 2
+    q: WideArray = (low + high) / 2
     states = step.at(q)
     for _ in range(NEWTON_STEPS):
         missing = times - states[:, T]
         low, high = np.where(missing > 0, q, low), np.where(missing > 0, high, q)
         newton = q + missing / equations.pace(states)
-        after = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
+        after: WideArray = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
         settled = np.all(np.abs(after - q) <= 2 * np.finfo(Wide).eps * np.abs(step.end))
         q, states = after, step.at(after)
         if settled:

@@ -1,14 +1,14 @@
 """A sphere on a plane with rolling and torsional friction, and the forces and moments at its point of contact.
 
 Vectors are along the axes of the plane: x downhill, z along the normal n. With the radius r, the velocity v and the angular
-velocity w, the rolling velocity is p = r w x n, the slip is u = v - p, and the pivoting velocity is s = r w_n. A force m F along
+velocity w, the rolling velocity is p = r w x n, the slip is u = v - p, and the pivoting velocity is s = r w_n. A force m F on
 the plane, a moment along it that is written as m r R, R = M x n/(m r), and a moment m r T about the normal give the rates
 
     v' = g + F,    p' = (R - F)/k,    s' = T/k,    u' = g + (1 + 1/k) F - R/k,    k = I/(m r^2)
 
 With the load N = m a, each of them is against its velocity: F against u, R against p and T against s. In the product of their
-limits |F| <= mu a, |R| <= mu_r a/r and |T| <= mu_t a/r. In one cone (F/mu)^2 + (r R/mu_r)^2 + (r T/mu_t)^2 <= a^2, and while the
-sphere moves, F = -a mu^2 u/D, R = -a (mu_r/r)^2 p/D, T = -a (mu_t/r)^2 s/D, D^2 = mu^2 u^2 + (mu_r/r)^2 p^2 + (mu_t/r)^2 s^2.
+limits |F| <= mu a, |R| <= mu_r a/r and |T| <= mu_t a/r. In one cone (F/mu)^2 + (r R/mu_r)^2 + (r T/mu_t)^2 <= a^2; while it
+moves, F = -a mu^2 u/D, R = -a (mu_r/r)^2 p/D, T = -a (mu_t/r)^2 s/D, D^2 = mu^2 u^2 + (mu_r/r)^2 p^2 + (mu_t/r)^2 s^2.
 
 All of this takes energy in every state, and the kinetic energy of the difference of two motions never grows.
 """

@@ -13,8 +13,8 @@ from bodycheck.reference.contact.resistance.straight import DOWNHILL, Straight, 
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide, wide
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
-from bodycheck.reference.mechanisms.mechanism import WORLD
-from bodycheck.reference.scene import Sphere, vector_of
+from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
+from bodycheck.reference.scene import Plane, Sphere, vector_of
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
@@ -69,7 +69,8 @@ def sphere(problem: Problem, times: Array) -> ContactMotion | None:
     Returns None for a problem without such friction. Raises `NotModelled` for any other body with it, for a sphere that is not
     on the plane at the start, and for a sphere whose moments of inertia differ.
     """
-    if not any(law.rolling_friction or law.torsional_friction for law in (problem.plane, *problem.contacts)):
+    laws: tuple[Plane | PairContact, ...] = (problem.plane, *problem.contacts)
+    if not any(law.rolling_friction or law.torsional_friction for law in laws):
         return None
     body, radius = _sphere(problem)
     law = problem.contact(0)
@@ -78,7 +79,9 @@ def sphere(problem: Problem, times: Array) -> ContactMotion | None:
     count = len(times)
     course = _Course(
         times.astype(Wide),
-        *(np.zeros((count, 3), Wide) for _ in range(3)),
+        np.zeros((count, 3), Wide),
+        np.zeros((count, 3), Wide),
+        np.zeros((count, 3), Wide),
         np.zeros((count, 4), Wide),
         np.full(count, float(missed)),
         float(missed),
@@ -212,8 +215,8 @@ def _event(whole: Resisted, course: _Course, kind: EventKind, pose: Pose) -> Non
     roundings = ROUNDINGS * float(np.finfo(Wide).eps) * (len(course.grips) + 1)
     late = float(1 + 1 / whole.ratio) * (course.velocity_error + roundings * course.speed) / course.slowing
     error = late + roundings * float(pose.time)
-    vectors = map(vector_of, (pose.position, velocity, spin))
-    course.events.append(Event(kind, float(pose.time), error, 0, *vectors))
+    position, fast, turning = (vector_of(each) for each in (pose.position, velocity, spin))
+    course.events.append(Event(kind, float(pose.time), error, 0, position, fast, turning))
 
 
 def _bounds(whole: Resisted, course: _Course, height: Wide) -> dict[str, Array]:

@@ -1,4 +1,4 @@
-"""Legs with constant accelerations: motions along a line with separate limits, or of any kind whose velocities keep their ratios.
+"""Legs with constant accelerations: motions along a line with separate limits, or with velocities that keep their ratios.
 
 Along a line with separate limits, the slip u, the rolling velocity p and the pivoting velocity s change at constant rates until
 one of them vanishes. One that is zero stays zero where a force within its limit can hold it; if not, it takes the sign that its
@@ -91,7 +91,7 @@ def _twist(body: Resisted, start: Pose) -> Wide:
 
 def along_a_line(body: Resisted, start: Pose, direction: WideArray) -> Straight:
     """The leg of a sphere with separate limits whose slip and rolling velocity are along a unit vector (2,), as gravity is."""
-    slip, rolling = start.slip @ direction, start.rolling @ direction
+    slip, rolling = Wide(start.slip @ direction), Wide(start.rolling @ direction)
     downhill = body.downhill * (1 if direction[0] > 0 else -1)
     slipping, rolled, force = _rates(body, _sign(slip), _sign(rolling), downhill)
     rates = np.array([*(wide(slipping) * direction), *(wide(rolled) * direction), _twist(body, start)])

@@ -1,10 +1,10 @@
 """Motions of a sphere with rolling and torsional friction as power series, step by step.
 
 The velocities are the slip u, the rolling velocity p = r w x n and the pivoting velocity s = r w n, along two directions of the
-plane. The part of a step is the parameter, and each velocity is in units of its size at the start of the step, if it is not zero. The pace of time
-is the product of the sizes of slip and rolling velocity, or the size of that which friction does not keep at zero; in one cone
-it is the size of all velocities with their coefficients. No velocity vanishes then in a finite number of steps, and all
-equations are polynomials.
+plane. The part of a step is the parameter, and each velocity is in units of its size at the start of the step, if it is not
+zero. The pace of time is the product of the sizes of slip and rolling velocity, or the size of that which friction does not
+keep at zero; in one cone it is the size of all velocities with their coefficients. No velocity vanishes then in a finite
+number of steps, and all equations are polynomials.
 """
 
 from dataclasses import dataclass, replace
@@ -133,10 +133,8 @@ def _rates(flow: Flow) -> tuple[Real, ...]:
         size = _size(flow)
         weights = mu**2 / size, rolling**2 / size, torsional**2 / size
     else:
-        weights = tuple(
-            c / MP.hypot(*pair) if any(pair) else MP.mpf(0) for c, pair in ((mu, (u_1, u_2)), (rolling, (p_1, p_2)))
-        )
-        weights = (*weights, torsional / abs(s) if s else MP.mpf(0))
+        sizes = MP.hypot(u_1, u_2), MP.hypot(p_1, p_2), abs(s)
+        weights = tuple(c / size if size else MP.mpf(0) for c, size in zip((mu, rolling, torsional), sizes, strict=True))
     f_1, f_2, m_1, m_2 = (
         -load * w * v for w, v in ((weights[0], u_1), (weights[0], u_2), (weights[1], p_1), (weights[1], p_2))
     )
@@ -195,10 +193,11 @@ def _sizes(flow: Flow) -> tuple[Real, Real]:
     """The sizes of the velocities that may vanish; infinite for one that does not count."""
     if flow.one:
         return _size(flow), MP.inf
-    return tuple(  # type: ignore[return-value]  # of two velocities
+    slipping, turning = (
         MP.hypot(*pair) if any(pair) and coefficient else MP.inf
         for pair, coefficient in zip((flow.slipping, flow.turning), flow.coefficients, strict=False)
     )
+    return slipping, turning
 
 
 def _ended(flow: Flow, moving: Moving, gone: list[bool]) -> tuple[Flow, Moving]:
@@ -287,7 +286,7 @@ def _shortened(pace: Series, step: Real, lasting: Real) -> Real:
 
 
 def _length(flow: Flow, u: Real, p: Real) -> Real:
-    """The length of a step (s) in which no velocity changes by much more than its size, and the sphere turns by some radians."""
+    """The length of a step (s) in which no velocity changes by much more than its size, and the sphere does not turn far."""
     mu, rolling, torsional = flow.coefficients
     load, lever, pull = flow.body.load, flow.body.lever, norm(flow.body.pull)
     if flow.one:
@@ -373,7 +372,8 @@ def _root(known: Series, square: int, order: int) -> int:
     """The next coefficient of the square root of a series, whose first coefficient is one, from those before it."""
     if not order:
         return series.ONE
-    return square - (sum(map(mul, known[1:order], known[order - 1 : 0 : -1])) >> BITS) >> 1
+    products: int = sum(map(mul, known[1:order], known[order - 1 : 0 : -1]))
+    return square - (products >> BITS) >> 1
 
 
 def _combined(*terms: tuple[Series, Real]) -> Series:

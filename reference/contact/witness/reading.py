@@ -87,8 +87,10 @@ def surface(scene: AnyScene, body: int = 0) -> Surface:
         if set(contact.bodies) == {WORLD, body}:
             law = contact
     cosine, sine = MP.cos_sin(MP.mpf(plane.incline))
-    numbers = (law.friction, law.restitution, law.rolling_friction, law.torsional_friction)
-    return Surface((sine, MP.mpf(0), cosine), *map(MP.mpf, numbers), law.cone == "one")
+    friction, restitution, rolling, torsional = (
+        MP.mpf(each) for each in (law.friction, law.restitution, law.rolling_friction, law.torsional_friction)
+    )
+    return Surface((sine, MP.mpf(0), cosine), friction, restitution, rolling, torsional, law.cone == "one")
 
 
 def pair_law(scene: AnyScene, pair: tuple[int, int]) -> tuple[Real, Real]:

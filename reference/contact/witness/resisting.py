@@ -34,8 +34,8 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
 
     Returns None for a scene without such friction. Raises `NotModelled` for any other body with it.
     """
-    laws = () if scene.plane is None else (scene.plane, *(scene.contacts if isinstance(scene, Mechanism) else ()))
-    if not any(law.rolling_friction or law.torsional_friction for law in laws):
+    laws = scene.contact_laws if isinstance(scene, Mechanism) else (scene.plane,)
+    if not any(law is not None and (law.rolling_friction or law.torsional_friction) for law in laws):
         return None
     free = bodies(scene)
     if len(free) != 1 or scene.pushes or not isinstance(free[0].shape, Sphere):
@@ -98,10 +98,7 @@ def _course(flow: Flow, moving: Moving, end: Real, parts: list[Piece]) -> list[I
                 else []
             )
             slipped = slips
-        if rates is None:
-            after = flowed(flow, moving, end, parts)
-        else:
-            after = _uniform(flow, rates, moving, end, parts)
+        after = flowed(flow, moving, end, parts) if rates is None else _uniform(flow, rates, moving, end, parts)
         if after is None:
             return events
         flow, moving = after
@@ -145,7 +142,7 @@ def _along(flow: Flow, direction: tuple[Real, Real]) -> tuple[Real, ...]:
 
 
 def _smallest(target: Real, inertia: Real, limit: Real, velocity: Real) -> Real:
-    """The rate a that makes inertia a^2/2 - target a + limit |a| smallest; limit sign(v) a for a velocity v that is not zero."""
+    """The rate a that makes inertia a^2/2 - target a + limit |a| smallest; with sign(v) a for |a| if v is not zero."""
     if velocity:
         return (target - limit * MP.sign(velocity)) / inertia
     return MP.mpf(0) if abs(target) <= limit else (target - limit * MP.sign(target)) / inertia
