@@ -195,7 +195,7 @@ def _one(scene: AnyScene, index: int, body: FreeBody) -> One:
     if len(moments) > 1 or not rows[0][0] > 0 or any((rows[0][1], rows[0][2], rows[1][2])):
         raise NotModelled("a sphere whose moments are not those of its shape")
     over_plane, load = scene.plane is not None, MP.mpf(scene.gravity)
-    plane = surface(scene, index) if over_plane else Surface(UP, *[MP.mpf(0)] * 4, one=False)
+    plane = surface(scene, index) if over_plane else Surface(UP, MP.mpf(0), MP.mpf(0), MP.mpf(0), MP.mpf(0), one=False)
     laws = Round(radius, body.mass * radius**2 / rows[0][0], plane, NONE, load)
     spin = [dot(row, body.rates) for row in body.cosines]
     moving = Moving(MP.mpf(0), body.position, body.velocity, spin, (MP.mpf(1), MP.mpf(0), MP.mpf(0), MP.mpf(0)))
