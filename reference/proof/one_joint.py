@@ -6,6 +6,7 @@ form: one root for each phase, which is unique since the equation has second ord
 elliptic functions. Whether a joint sticks is decided by rational numbers at the start, and by balls without zero later.
 """
 
+import contextlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -61,19 +62,35 @@ def has_one_joint(mechanism: Mechanism) -> bool:
     return alone and mechanism.joints[0].type in ("revolute", "prismatic")
 
 
+def has_closed_form(mechanism: Mechanism) -> bool:
+    """Return whether the motion of a mechanism with one joint may have a closed form: it is no pendulum with other forces.
+
+    Dry friction and controllers, which trees do not have, count as closed forms, so that their reasons are told.
+    """
+    (joint,) = mechanism.joints
+    other = joint.damping or joint.stiffness or joint.effort
+    if (
+        joint.type == "prismatic"
+        or not mechanism.gravity
+        or not other
+        or joint.friction
+        or joint.stops
+        or mechanism.controllers
+    ):
+        return True
+    with contextlib.suppress(NotEnclosed):
+        *_, one = _read(mechanism)
+        return bool(one.rise.is_zero() and one.fall.is_zero())
+    return True
+
+
 def states(mechanism: Mechanism) -> Callable[[Fraction], tuple[tuple[Ball, Ball], Triple, Matrix, Triple, Triple]]:
     """Return a function from a time (s) to the coordinate with its velocity, and the states of the body in balls.
 
     The states are the position of the centre of mass, the attitude, the velocity, and the angular velocity along the axes of
     the body. The mechanism has one joint (`has_one_joint`). Raises `NotEnclosed` if there is no proof of its motion.
     """
-    joint, body = _only(mechanism)
-    centre = centre_of(body)
-    turn = attitude(joint.attitude)
-    size = length(triple(joint.axis))
-    x, y, z = (part / size for part in triple(joint.axis))
-    axis: Triple = (x, y, z)
-    one = _equation(mechanism, joint, body, centre, turn, axis)
+    joint, centre, turn, axis, one = _read(mechanism)
     coordinate = _driven(one, mechanism.controllers[0]) if mechanism.controllers else _coordinate(one)
     origin, in_world = triple(joint.position), applied(turn, axis)
 
@@ -87,6 +104,17 @@ def states(mechanism: Mechanism) -> Callable[[Fraction], tuple[tuple[Ball, Ball]
         return (q, v), _plus(origin, arm), now, _scaled(v, cross(in_world, arm)), _scaled(v, axis)
 
     return at
+
+
+def _read(mechanism: Mechanism) -> tuple[Joint, tuple[Fraction, Fraction, Fraction], Matrix, Triple, OneJoint]:
+    """The joint, the centre of mass of the body in its frame (m), the attitude and the axis of the joint, and its equation."""
+    joint, body = _only(mechanism)
+    centre = centre_of(body)
+    turn = attitude(joint.attitude)
+    size = length(triple(joint.axis))
+    x, y, z = (part / size for part in triple(joint.axis))
+    axis: Triple = (x, y, z)
+    return joint, centre, turn, axis, _equation(mechanism, joint, body, centre, turn, axis)
 
 
 def _only(mechanism: Mechanism) -> tuple[Joint, JointedBody]:

@@ -73,7 +73,7 @@ def enclosed(
     """
     begin = time.perf_counter()
     reason = NotEnclosed("balls that are too large")
-    closed = not isinstance(scene, Mechanism) or has_one_joint(scene)
+    closed = not isinstance(scene, Mechanism) or (has_one_joint(scene) and one_joint.has_closed_form(scene))
     best: Enclosure | None = None
     for bits in BITS if closed else BITS_OF_TREES:
         with precision(bits):
@@ -127,7 +127,7 @@ class Motion:
 def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
     """The motion of a scene in balls."""
     if isinstance(scene, Mechanism):
-        if not has_one_joint(scene):
+        if not (has_one_joint(scene) and one_joint.has_closed_form(scene)):
             return _tree(scene, printed, candidate, bits, deadline)
         of_joint = one_joint.states(scene)
 

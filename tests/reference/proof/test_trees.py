@@ -135,3 +135,12 @@ def test_derivatives_are_those_of_the_efforts() -> None:
 
 def test_a_candidate_for_one_body_is_not_needed() -> None:
     assert candidate_of(load("free-brick").scene) is None
+
+
+def test_a_damped_pendulum_is_followed_as_a_tree() -> None:
+    scene = load("sensor-pendulum").scene
+    assert isinstance(scene, Mechanism)
+    found = mechanism_truth(scene, np.linspace(0, 0.2, 5))
+    enclosure = proof(scene, found)
+    assert enclosure.way.startswith("validated polynomials")
+    assert below(enclosure, found) == []
