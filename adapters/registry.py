@@ -282,7 +282,9 @@ def _fault_of_usage(engine: Engine, kind: Kind, usage: Usage) -> str | None:
         offers.check(engine, method)
     except BadInput as error:
         return f"is {_shown(usage.method)}: {error}"
-    if (lacking := offers.not_offered_for(engine, kind, method)) is not None:
+    integrator = offers.integrator_of(engine, method)
+    refused = integrator is not None and kind in integrator.refuses  # it is planned, and its runs say why there are none
+    if not refused and (lacking := offers.not_offered_for(engine, kind, method)) is not None:
         return f"is {method.name}, but {engine.name} {lacking}"
     if usage.timestep is None and method.accuracy is None:
         return f"is {method.name} without a time step, which only a method with error control may lack"
