@@ -22,7 +22,7 @@ Combination = Literal["product", "mean", "harmonic mean", "smaller"]
 COMBINED: Mapping[Combination, Callable[[float, float], float]] = {
     "product": lambda a, b: a * b,
     "mean": lambda a, b: (a + b) / 2,
-    "harmonic mean": lambda a, b: 2 * a * b / (a + b) if a and b else 0.0,
+    "harmonic mean": lambda a, b: 2 * a * (b / (a + b)) if a and b else 0.0,
     "smaller": min,
 }
 

@@ -308,7 +308,8 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     more += [column.name for column in METHOD_COLUMNS]
     more += [column.name for column in (*DEPARTURE_COLUMNS, *ENGINE_COLUMNS) if any(column.name in row for row in rows)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
-    return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
+    texts = {column.name: "" for column in ENGINE_COLUMNS if column.name in more}
+    return [dict.fromkeys((*labels, *COLUMNS, *more)) | texts | row for row in rows]
 
 
 def broken(

@@ -14,7 +14,6 @@ from bodycheck.figures.columns import (
     CASE_COLUMNS,
     COLUMNS,
     DEPARTURE_COLUMNS,
-    ENGINE_COLUMNS,
     FIGURES,
     FURTHER,
     LIMIT_COLUMNS,
@@ -139,7 +138,7 @@ def schema() -> str:
 def _run() -> Schema:
     """Return the schema of a row of results. Completed runs have numbers; all other runs have none."""
     limits, work = (column.name for column in LIMIT_COLUMNS), [column.name for column in WORK_COLUMNS]
-    departure = (column.name for column in (*DEPARTURE_COLUMNS, *ENGINE_COLUMNS))
+    departure = (column.name for column in DEPARTURE_COLUMNS)
     figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER, *limits, *work, *departure)
     properties = {name: _column(column) for name, column in COLUMNS.items()}
     required = [*judgement.COLUMNS, *(column.name for column in (*CASE_COLUMNS, *METHOD_COLUMNS))]

@@ -135,6 +135,7 @@ def _sphere(document: dict[str, Any], table: dict[str, Any]) -> Sphere:
         exact(plane.get("restitution", 0)),
         ZERO,
         [],
+        plane,
     )
     ratio = inertia.tensor[0][0] / (inertia.mass * radius * radius)
     borne = bool(plane) and position[2] == radius and not velocity[2]

@@ -37,8 +37,8 @@ def test_limits_and_margins_are_those_of_the_case_in_every_format(folder: Path) 
     csv, parquet = pd.read_csv(folder / "results.csv"), pd.read_parquet(folder / "results.parquet")
     runs = json.loads((folder / "results.json").read_text())["runs"]
     added = ["kind", "tags", *(name + end for name in LIMITS for end in ("_limit", "_margin"))]
-    added += ["steps_taken", "steps_rejected", "evaluations", "role"]
-    assert list(csv.columns[-10:]) == list(parquet.columns[-10:]) == list(runs[0])[-10:] == added
+    added += ["steps_taken", "steps_rejected", "evaluations", "role", "contact_terms"]
+    assert list(csv.columns[-11:]) == list(parquet.columns[-11:]) == list(runs[0])[-11:] == added
     expected = [run for run in runs if run["position_error_limit"] is not None]
     assert {(run["case"], run["integrator"], run["timestep"], run["status"]) for run in expected} == {
         ("spin", "Euler", 0.01, "ok")
@@ -50,7 +50,7 @@ def test_limits_and_margins_are_those_of_the_case_in_every_format(folder: Path) 
         assert (run["position_error_margin"] < 1) == (run["position_error"] > 1e-9)
     roles = pd.read_csv(folder / "results.csv", keep_default_na=False)["role"]
     assert list(roles) == list(parquet["role"]) == [run["role"] for run in runs]
-    for name in added[2:-1]:
+    for name in added[2:-2]:
         assert [value if value == value else None for value in csv[name]] == [run[name] for run in runs]
         assert [None if pd.isna(value) else value for value in parquet[name]] == [run[name] for run in runs]
     assert dict(zip(csv.case, csv.kind, strict=True)) == {"spin": "turning", "slide": "contact"}
