@@ -39,6 +39,7 @@ def case(miniatures: Path, monkeypatch: pytest.MonkeyPatch) -> Case:
     return parse(text, "flip")
 
 
+@pytest.mark.slow
 def test_tradeoff_searches_over_accuracies_and_observes_orders_against_steps(case: Case, tmp_path: Path) -> None:
     records = campaigns.records("adaptive")
     tasks = study.plan([case], records, [SPELLING, "bs3:accuracy=1e-2"], [])

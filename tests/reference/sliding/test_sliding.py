@@ -196,6 +196,7 @@ def test_every_slide_of_a_disk_ends_alike(speed: float, spin: float) -> None:
     assert ratios(Disk(1.0), math.sqrt(0.4), (speed, 0.0), spin)[-1] == pytest.approx(0.8535, abs=5e-5)
 
 
+@pytest.mark.slow
 def test_a_load_on_a_ring_or_on_corners_ends_otherwise() -> None:
     """They brake a slow spin more than the disk does: it dies out as v^(s/k^2), s being the mean square of the lever arms.
 

@@ -217,6 +217,7 @@ def spin(tmp_path: Path) -> Path:
 METHOD = ("--integrator", "closed-form", "--timestep", "0.002")
 
 
+@pytest.mark.slow
 def test_a_miniature_engine_through_its_releases(
     index: Path, spin: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
