@@ -14,6 +14,7 @@ from pathlib import Path
 import bodycheck
 from bodycheck.adapters import registry
 from bodycheck.casefile.case import load, shipped
+from bodycheck.errors import BadInput
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.requirements import touches
 from bodycheck.results.outcome import Completed
@@ -27,18 +28,22 @@ def verdicts(engine: str, cases: Sequence[str]) -> dict[str, Verdict]:
     with tempfile.TemporaryDirectory() as folder:
         out, own = Path(folder) / "results", METHODS.get(engine)
         asked = {"integrator": own, "timestep": STEP} if own else {"integrator": "default"}
-        results = bodycheck.run(cases, engine=engine, out=out, allow_missing=True, **asked)  # type: ignore[arg-type]
+        try:
+            results = bodycheck.run(cases, engine=engine, out=out, allow_missing=True, **asked)  # type: ignore[arg-type]
+        except BadInput:  # the engine has no method for any of the scenes
+            return {}
         return {verdict.run.case: verdict for verdict in results.verdicts}
 
 
 def cell(verdict: Verdict | None, reasons: dict[str, int]) -> str:
     """Return the largest error of the position, or a number for the reason why there is none."""
     if verdict is None:
-        return f"[{reasons.setdefault('no method for this scene', len(reasons) + 1)}]"
+        return f"[{reasons.setdefault('its adapter gives it no bodies that touch', len(reasons) + 1)}]"
     outcome = verdict.run.outcome
     if isinstance(outcome, Completed) and verdict.discrepancy is not None:
         return f"{verdict.discrepancy.maxima()['position_error']:.1e}"
-    return f"[{reasons.setdefault(f'{outcome.status}: {outcome.reason}', len(reasons) + 1)}]"
+    reason = outcome.reason.removeprefix(f"{verdict.run.engine} {verdict.run.version} ")
+    return f"[{reasons.setdefault(f'{outcome.status}: {reason}', len(reasons) + 1)}]"
 
 
 def main() -> None:

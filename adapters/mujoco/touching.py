@@ -216,9 +216,13 @@ def check_options(scene: AnyScene, method: Method) -> None:
 def moments(law: Law) -> tuple[float, float]:
     """Return the coefficients of torsional and of rolling friction (m) of a pair.
 
-    They are those of MuJoCo's defaults for a pair that has neither, whose contacts use them only where `condim` says so.
+    They are those of MuJoCo's defaults for a pair that has neither, whose contacts use them only where `condim` says so. With
+    rolling friction, MuJoCo raises a torsional friction to its least coefficient, and MuJoCo Warp, which does not, needs it.
     """
-    return (law.torsional_friction, law.rolling_friction) if law.resists else contact.TORSION_AND_ROLLING_FRICTION_M
+    if not law.resists:
+        return contact.TORSION_AND_ROLLING_FRICTION_M
+    least = contact.MUJOCO_MIN_FRICTION if law.rolling_friction else 0.0
+    return max(law.torsional_friction, least), law.rolling_friction
 
 
 def dimensions(law: Law) -> str | None:
