@@ -205,7 +205,7 @@ def orders(errors: Mapping[float, float]) -> list[float]:
     return [
         math.log2(errors[large] / errors[small])
         for large, small in pairwise(errors)
-        if math.isfinite(errors[large]) and errors[large] > ROUNDING and errors[small] > ROUNDING / 100
+        if ROUNDING < errors[large] < math.inf and ROUNDING / 100 < errors[small] < math.inf
     ]
 
 
