@@ -49,6 +49,16 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, Any, Any]:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
+def vector_sum(a: Triple, b: Triple) -> Triple:
+    """Return the sum of two vectors."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def scaled(factor: Ball, a: Triple) -> Triple:
+    """Return the product of a number and a vector."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
 def applied(rows: Matrix, v: Sequence[Ball]) -> Triple:
     """Return the product of a matrix and a vector."""
     return dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)

@@ -30,6 +30,7 @@ from bodycheck.reference.proof.balls import (
 )
 from bodycheck.reference.proof.bodies import Rationals, Rotor, Rows, length, momentum
 from bodycheck.reference.proof.enclosure import NotEnclosed
+from bodycheck.reference.proof.jacobi import jacobi
 
 #: A function from a time (s) to the attitude, body to world components, and the angular velocity along the axes of the body.
 Rotation = Callable[[Fraction], tuple[Matrix, Triple]]
@@ -222,24 +223,17 @@ def _circulating(moments: Sequence[Ball], start: Sequence[Ball], energy: Ball, s
         raise NotEnclosed("a rotation that may be on the separatrix")
     # A dw1/dt = (B - C) w2 w3 requires A first rate = (C - B) second third.
     second = a * first * rate / ((c - b) * third)
-    quarter, other = acb(m).elliptic_k().real, acb(1 - m).elliptic_k().real
-    nome = acb(arb(0), other / quarter)
-    zero = acb.modular_theta(acb(0), nome)
+    functions, quarter = jacobi(m)
     begin = _first_kind(start[1] / second, start[0] / first, m)
     kappa = squared(c * third) * m / (square - squared(c * third))  # minus the characteristic
     factor = square.sqrt() * (energy - square / c) / ((square - squared(c * third)) * rate)
     steady, complete = square.sqrt() / c, _third_kind(arb.pi() / 2, -kappa, m)
 
-    def jacobi(u: Ball) -> tuple[Ball, Ball, Ball]:
-        one, two, three, four = (each.real for each in acb.modular_theta(acb(u / (2 * quarter)), nome))
-        _, b0, c0, d0 = (each.real for each in zero)
-        return c0 * one / (b0 * four), d0 * two / (b0 * four), d0 * three / (c0 * four)
-
     def integral(u: Ball) -> tuple[Ball, tuple[Ball, Ball, Ball]]:
         if not u.is_finite():
             raise NotEnclosed("a rotation so near to the separatrix that its balls have no bound")
         turns = round(float((u / (2 * quarter)).mid()))
-        sn, cn, dn = jacobi(u - 2 * quarter * turns)
+        sn, cn, dn = functions(u - 2 * quarter * turns)
         reduced = _third_kind(arb.atan2(sn, cn), -kappa, m)
         sign = -1 if turns % 2 else 1
         return reduced + 2 * turns * complete, (sign * sn, sign * cn, dn)

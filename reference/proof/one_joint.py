@@ -18,9 +18,23 @@ from flint import acb, arb, arb_mat
 from bodycheck.reference.mechanisms.control import Controller
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.proof import driven
-from bodycheck.reference.proof.balls import Ball, Matrix, Triple, applied, ball, cross, dot, product, triple, turned_about
+from bodycheck.reference.proof.balls import (
+    Ball,
+    Matrix,
+    Triple,
+    applied,
+    ball,
+    cross,
+    dot,
+    product,
+    scaled,
+    triple,
+    turned_about,
+    vector_sum,
+)
 from bodycheck.reference.proof.bodies import as_ball, attitude, inertia, length, sums
 from bodycheck.reference.proof.enclosure import NotEnclosed
+from bodycheck.reference.proof.jacobi import jacobi
 from bodycheck.reference.proof.mass import centre_of, mass_of
 
 #: The largest number of phases of a motion with dry friction.
@@ -63,10 +77,12 @@ def has_one_joint(mechanism: Mechanism) -> bool:
 
 
 def has_closed_form(mechanism: Mechanism) -> bool:
-    """Return whether the motion of a mechanism with one joint may have a closed form: it is no pendulum with other forces.
+    """Return whether the motion of a mechanism may have a closed form: it has one joint, and is no pendulum with other forces.
 
     Dry friction and controllers, which trees do not have, count as closed forms, so that their reasons are told.
     """
+    if not has_one_joint(mechanism):
+        return False
     (joint,) = mechanism.joints
     other = joint.damping or joint.stiffness or joint.effort
     if (
@@ -97,11 +113,11 @@ def states(mechanism: Mechanism) -> Callable[[Fraction], tuple[tuple[Ball, Ball]
     def at(t: Fraction) -> tuple[tuple[Ball, Ball], Triple, Matrix, Triple, Triple]:
         q, v = coordinate(t)
         if joint.type == "prismatic":
-            arm = applied(turn, _plus(triple(centre), _scaled(q, axis)))
-            return (q, v), _plus(origin, arm), turn, _scaled(v, in_world), (arb(0), arb(0), arb(0))
+            arm = applied(turn, vector_sum(triple(centre), scaled(q, axis)))
+            return (q, v), vector_sum(origin, arm), turn, scaled(v, in_world), (arb(0), arb(0), arb(0))
         now = product(turn, turned_about(axis, q))
         arm = applied(now, triple(centre))
-        return (q, v), _plus(origin, arm), now, _scaled(v, cross(in_world, arm)), _scaled(v, axis)
+        return (q, v), vector_sum(origin, arm), now, scaled(v, cross(in_world, arm)), scaled(v, axis)
 
     return at
 
@@ -298,7 +314,7 @@ def _swinging(theta: Ball, turns: int, speed: Ball, rate: Ball, m: Ball, half_si
     """A pendulum that swings: sin(theta / 2) = k sn(u, k^2), theta' = 2 k rate cn(u, k^2)."""
     k = m.sqrt()
     parity = -1 if turns % 2 else 1  # of the half angle, as it is counted from the nearest lowest position
-    functions, _ = _jacobi(m)
+    functions, _ = jacobi(m)
     begin = acb.elliptic_f(acb(arb.atan2(parity * half_sine / k, speed / (2 * rate * k))), acb(m)).real
 
     def at(t: Fraction) -> tuple[Ball, Ball]:
@@ -311,7 +327,7 @@ def _swinging(theta: Ball, turns: int, speed: Ball, rate: Ball, m: Ball, half_si
 def _circling(one: OneJoint, theta: Ball, speed: Ball, rate: Ball, whole: Ball, lowest: Ball) -> Coordinate:
     """A pendulum that turns over: theta / 2 is the amplitude of u with the modulus 1 / whole, theta' = 2 rate k dn(u)."""
     m, k = 1 / whole, whole.sqrt()
-    functions, quarter = _jacobi(m)
+    functions, quarter = jacobi(m)
     sign = 1 if one.velocity > 0 else -1
     half = sign * theta / 2
     turns = round(float(half.mid()) / math.pi)
@@ -324,26 +340,3 @@ def _circling(one: OneJoint, theta: Ball, speed: Ball, rate: Ball, whole: Ball, 
         return lowest + sign * 2 * (arb.atan2(sn, cn) + full * arb.pi()), sign * 2 * rate * k * dn
 
     return at
-
-
-def _jacobi(m: Ball) -> tuple[Callable[[Ball], tuple[Ball, Ball, Ball]], Ball]:
-    """Jacobi's functions sn, cn and dn of a parameter as a function of u, and their quarter period."""
-    quarter, other = acb(m).elliptic_k().real, acb(1 - m).elliptic_k().real
-    if not (quarter.is_finite() and other.is_finite()):
-        raise NotEnclosed("a motion that may end at an unstable equilibrium")
-    nome = acb(arb(0), other / quarter)
-    _, b, c, d = (each.real for each in acb.modular_theta(acb(0), nome))
-
-    def functions(u: Ball) -> tuple[Ball, Ball, Ball]:
-        one, two, three, four = (each.real for each in acb.modular_theta(acb(u / (2 * quarter)), nome))
-        return c * one / (b * four), d * two / (b * four), d * three / (c * four)
-
-    return functions, quarter
-
-
-def _plus(a: Triple, b: Triple) -> Triple:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def _scaled(factor: Ball, a: Triple) -> Triple:
-    return factor * a[0], factor * a[1], factor * a[2]

@@ -27,7 +27,6 @@ from bodycheck.reference.proof.balls import (
     upper,
 )
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
-from bodycheck.reference.proof.one_joint import has_one_joint
 from bodycheck.reference.proof.trees import poses, tree_of
 from bodycheck.reference.proof.validated import Candidate
 from bodycheck.reference.scene import Scene
@@ -41,7 +40,6 @@ BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
 
 #: The precisions that are tried for trees, and the largest number of their links: the candidate of more takes minutes.
 BITS_OF_TREES, MOST_LINKS = (128, 192, 256, 384), 5
-
 
 #: The time limit of a proof (s).
 TIME_LIMIT_S = 60.0
@@ -73,9 +71,9 @@ def enclosed(
     """
     begin = time.perf_counter()
     reason = NotEnclosed("balls that are too large")
-    closed = not isinstance(scene, Mechanism) or (has_one_joint(scene) and one_joint.has_closed_form(scene))
+    tried = BITS_OF_TREES if isinstance(scene, Mechanism) and not one_joint.has_closed_form(scene) else BITS
     best: Enclosure | None = None
-    for bits in BITS if closed else BITS_OF_TREES:
+    for bits in tried:
         with precision(bits):
             try:
                 motion = _motion(scene, printed, candidate, bits, begin + limit)
@@ -127,7 +125,7 @@ class Motion:
 def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
     """The motion of a scene in balls."""
     if isinstance(scene, Mechanism):
-        if not (has_one_joint(scene) and one_joint.has_closed_form(scene)):
+        if not one_joint.has_closed_form(scene):
             return _tree(scene, printed, candidate, bits, deadline)
         of_joint = one_joint.states(scene)
 

@@ -14,7 +14,19 @@ from flint import arb
 
 from bodycheck.reference.mechanisms.coordinates import places as layout
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, breadth_first
-from bodycheck.reference.proof.balls import UNIT, Matrix, Triple, about, applied, ball, cross, product, transposed, triple
+from bodycheck.reference.proof.balls import (
+    UNIT,
+    Matrix,
+    Triple,
+    about,
+    applied,
+    ball,
+    cross,
+    product,
+    transposed,
+    triple,
+    vector_sum,
+)
 from bodycheck.reference.proof.bodies import as_ball, attitude, inertia, length
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.mass import centre_of, mass_of
@@ -310,28 +322,24 @@ def poses(tree: Tree, q: Sequence[Any], v: Sequence[Any]) -> list[tuple[Triple, 
         arm = applied(turn, _balls(link.offset))
         now = product(turn, (_balls(link.turn[0]), _balls(link.turn[1]), _balls(link.turn[2])))
         axis = (now[0][2], now[1][2], now[2][2])
-        velocity = _sum(velocity, cross(spin, arm))
-        origin = _sum(origin, arm)
+        velocity = vector_sum(velocity, cross(spin, arm))
+        origin = vector_sum(origin, arm)
         if link.slides:
             out: Triple = (axis[0] * q[i], axis[1] * q[i], axis[2] * q[i])
-            velocity = _sum(_sum(velocity, cross(spin, out)), (axis[0] * v[i], axis[1] * v[i], axis[2] * v[i]))
-            origin = _sum(origin, out)
+            velocity = vector_sum(vector_sum(velocity, cross(spin, out)), (axis[0] * v[i], axis[1] * v[i], axis[2] * v[i]))
+            origin = vector_sum(origin, out)
         else:
             now = product(now, about(2, *q[i].sin_cos()))
-            spin = _sum(spin, (axis[0] * v[i], axis[1] * v[i], axis[2] * v[i]))
+            spin = vector_sum(spin, (axis[0] * v[i], axis[1] * v[i], axis[2] * v[i]))
         frames.append((now, origin, velocity, spin))
     states = []
     for _, body in sorted(tree.bodies.items()):
         turn, origin, velocity, spin = frames[body.link] if body.link >= 0 else world
         arm, now = applied(turn, body.centre), product(turn, body.turn)
-        states.append((_sum(origin, arm), now, _sum(velocity, cross(spin, arm)), applied(transposed(now), spin)))
+        states.append((vector_sum(origin, arm), now, vector_sum(velocity, cross(spin, arm)), applied(transposed(now), spin)))
     return states
 
 
 def _balls(values: Vector) -> Triple:
     x, y, z = map(as_number, values)
     return x, y, z
-
-
-def _sum(a: Triple, b: Triple) -> Triple:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
