@@ -1,6 +1,6 @@
 """The beginning of a report of runs, in a few lines, which a terminal shows too."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import count
 from bodycheck.reports.runs import comparison
-from bodycheck.reports.runs.choices import MOST_DEFAULTS, Choice, attention, choices, defaults, tried
+from bodycheck.reports.runs.choices import MOST_DEFAULTS, Choice, Extreme, attention, choices, defaults, extremes, tried
 from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.differences import compare
 from bodycheck.reports.runs.findings import findings, measured
@@ -40,6 +40,8 @@ class Brief:
         of the engines cost in accuracy.
     choices
         The methods of each kind of scene with the chosen one; empty in a comparison.
+    extremes
+        The methods with the smallest and the largest error of each case; empty in a comparison.
     findings
         Where discrepancies come from.
     """
@@ -53,6 +55,7 @@ class Brief:
     steps: tuple[str, ...]
     answers: tuple[Finding, ...]
     choices: tuple[Choice, ...]
+    extremes: Mapping[str, tuple[Extreme, ...]]
     findings: tuple[Finding, ...]
 
     @property
@@ -90,6 +93,7 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
             *attended,
         ),
         choices=chosen,
+        extremes=extremes(runs),
         findings=findings(
             measured(verdicts, lines),
             () if differences else first.parts,

@@ -203,6 +203,28 @@ def _chosen(options: Sequence[Option]) -> Option:
     return min((one for one in largest.values() if (one.cost or 0.0) <= SAME_COST * least), key=lambda one: one.error)
 
 
+@dataclass(frozen=True)
+class Extreme:
+    """The method with the smallest or the largest error in a case, and this error, in words."""
+
+    method: str
+    error: str
+
+
+def extremes(runs: Mapping[Kind, Sequence[Tried]]) -> dict[str, tuple[Extreme, ...]]:
+    """Return the methods with the smallest and the largest error of each case; one if both are the same."""
+    ends: dict[str, tuple[Extreme, ...]] = {}
+    for kind, tries in runs.items():
+        by_case: dict[str, list[Tried]] = {}
+        for one in tries:
+            by_case.setdefault(one.case, []).append(one)
+        for case, alike in by_case.items():
+            both = (min(alike, key=lambda one: one.error), max(alike, key=lambda one: one.error))
+            words = (Extreme(one.line.label, f"{number(one.error, 2)} {kind.figure.unit}") for one in both)
+            ends[case] = tuple(dict.fromkeys(words))
+    return ends
+
+
 def defaults(runs: Mapping[Kind, Sequence[Tried]]) -> tuple[Finding, ...]:
     """Return a sentence on the default method of each engine in the case in which it is worst, the worst engine first.
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from markupsafe import Markup
+
 from bodycheck.reports import player
 from bodycheck.reports.charts import Spec, without_legend
 from bodycheck.reports.html import MADE, Link, json_text, page, verbatim
@@ -9,6 +11,9 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.runs.charts import joint_curves
 from bodycheck.reports.runs.charts.time_charts import FRAMES, joints, momentum, over_time, readings
 from bodycheck.reports.runs.contents import Contents, Section
+
+#: The most cases of which each has a link in the index; of more, the pictures of the scenes are the links.
+MOST_LISTED = 12
 
 
 def render(contents: Contents) -> str:
@@ -20,6 +25,8 @@ def render(contents: Contents) -> str:
         specifications(contents),
         index(contents),
         contents=contents,
+        stills={section.name: Markup(section.still) for section in contents.sections},  # numbers alone
+        sections={section.name: section for section in contents.sections},
         joint_titles=joint_curves.TITLES,
         legends={section.name: _legend(section, contents.lines) for section in contents.sections},
         datasets={section.name: json_text(section.curves.datasets) for section in contents.sections},
@@ -35,9 +42,10 @@ def index(contents: Contents) -> list[Link]:
     first = (
         ("findings", "Answers", contents.answers or contents.broken),
         ("failures", "Failed runs", contents.failures),
-        ("matrix", "Cases and methods", contents.matrices),
+        ("matrix", "Scenes", contents.matrices),
     )
-    cases = (Link(f"case-{section.name}", section.name, True, section.name in failed) for section in contents.sections)
+    listed = contents.sections if len(contents.sections) <= MOST_LISTED else ()
+    cases = (Link(f"case-{section.name}", section.name, True, section.name in failed) for section in listed)
     kinds = (Link(f"matrix-{matrix.kind.name}", matrix.kind.title, True) for matrix in contents.matrices)
     further = [Link("further", "Where errors come from")] if contents.findings else []
     trades = [Link("trades", "Error over cost")] if len(contents.trades) > 1 else []
