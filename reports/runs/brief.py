@@ -88,8 +88,9 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
         steps=tuple(advice.lines(failed[1], failed[0].file(failed[1].label))) if failed else (),
         answers=(
             *(differences.findings if differences else ()),
-            *(choice.finding for choice in chosen),
+            *(choice.finding for choice in chosen[:1]),
             *defaults(runs)[:MOST_DEFAULTS],
+            *(choice.finding for choice in chosen[1:]),
             *attended,
         ),
         choices=chosen,
