@@ -258,15 +258,17 @@ def _of_default(worst: Tried, kind: Kind, runs: Sequence[Tried]) -> Finding:
 
 
 def attention(cases: Sequence[Shown], lines: Mapping[RunKey, Line], demonstrations: Collection[RunKey]) -> Iterator[Finding]:
-    """Yield a sentence for each status of runs that ended without an error, and that no expectation counts as failed."""
+    """Yield a sentence for each status of runs that ended without an error, and that no expectation counts as failed.
+
+    The sentence names the first of them that is no demonstration.
+    """
     ended: dict[str, list[Verdict]] = {}
     for case in cases:
         for verdict in case.verdicts:
-            lost = verdict.outcome.failed and verdict.passed is not False
-            if lost and verdict.key.over_cases not in demonstrations:
+            if verdict.outcome.failed and verdict.passed is not False:
                 ended.setdefault(verdict.outcome.status, []).append(verdict)
     for status, verdicts in ended.items():
-        first, amount = verdicts[0], len(verdicts)
+        first, amount = min(verdicts, key=lambda one: one.key.over_cases in demonstrations), len(verdicts)
         label = lines[first.key.over_cases].label
         start = f"{label} has the status {status} in "
         if amount > 1:

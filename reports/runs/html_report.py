@@ -42,7 +42,7 @@ def index(contents: Contents) -> list[Link]:
     first = (
         ("findings", "Answers", contents.answers or contents.broken),
         ("failures", "Failed runs", contents.failures),
-        ("matrix", "Scenes", contents.matrices),
+        ("matrix", "Scenes and motions", contents.matrices),
     )
     listed = contents.sections if len(contents.sections) <= MOST_LISTED else ()
     cases = (Link(f"case-{section.name}", section.name, True, section.name in failed) for section in listed)

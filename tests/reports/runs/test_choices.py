@@ -120,9 +120,12 @@ def test_runs_that_ended_early_are_named() -> None:
     outcome = Diverged("the energy is too large")
     lost = ended(replace(ran(FLIP), outcome=outcome, discrepancy=None), None, outcome.reason)
     failed = ended(replace(ran(FLIP, integrator="b"), outcome=outcome, discrepancy=None), False, outcome.reason)
-    lines = assign(verdict.key.over_cases for verdict in (lost, failed))
+    shows = ended(replace(ran(FLIP, integrator="a"), outcome=outcome, discrepancy=None), None, outcome.reason)
+    lines = assign(verdict.key.over_cases for verdict in (lost, failed, shows))
     (one,) = attention(shown([lost, failed]), lines, ())
     assert (one.where, "mujoco Euler has the status diverged" in one.text) == (FLIP, True)
+    (one,) = attention(shown([shows, lost]), lines, [shows.key.over_cases])
+    assert "2 runs have the status diverged. The first is mujoco Euler in" in one.text
 
 
 def test_the_chart_draws_each_method_and_marks_the_chosen_one() -> None:
