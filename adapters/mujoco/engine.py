@@ -82,7 +82,17 @@ engine = Engine(
     version=str(mujoco.__version__),
     integrators=integrators(),
     models=frozenset(
-        {"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS, *touching.MODELS, *gripping.MODELS}
+        {
+            "gravity",
+            "translation",
+            "rotation",
+            "contact",
+            "friction",
+            "drag",
+            *mechanisms.MODELS,
+            *touching.MODELS,
+            *gripping.MODELS,
+        }
     ),
     variants={
         "drag": tuple(f"{name}:drag=fluid" for name in options.available()),
