@@ -1,9 +1,9 @@
 """The motion of a gripped body along a line as phases between events: it is held, or slips on its fingers.
 
-The body, of mass m, and the carriage with the fingers, of mass M, obey m x'' = m g + f and M s'' = M g + F - f. Held, both have
-one acceleration, and the contacts bear the load f = m F/(m + M), or -m g if the fingers are on the world. The body is held while
-|f| is at most the bearing of the contacts. Slipping along sigma, f = -2 sigma mu N. All forces are polynomials of the time and
-sines, and so are all motions within a phase.
+The body, of mass m, and the carriage with the fingers, of mass M, obey m x'' = m g + f and M s'' = M g + F - f. Held, both
+have one acceleration, and the contacts bear the load f = m F/(m + M), or -m g if the fingers are on the world. The body is
+held while |f| is at most the bearing of the contacts. Slipping along sigma, f = -2 sigma mu N. All forces are polynomials of
+the time and sines, and so are all motions within a phase.
 """
 
 from dataclasses import dataclass

@@ -5,9 +5,9 @@ directions across n. Loads and motions are along a line d across n: the axis of 
 which the body moves at the start. The contacts of both fingers are beside each other, at the same distance from the centre of
 mass along n, so that each bears one half.
 
-A finger that is a sphere touches a brick at one point, and so does a brick a sphere. Where two bricks touch at faces, mechanics
-does not determine how the force is distributed; with everything symmetrical about the line d through the centre of mass, it does
-not matter.
+A finger that is a sphere touches a brick at one point, and so does a brick a sphere. Where two bricks touch at faces,
+mechanics does not determine how the force is distributed; with everything symmetrical about the line d through the centre of
+mass, it does not matter.
 """
 
 from dataclasses import dataclass
@@ -154,64 +154,64 @@ def grip_of(scene: Mechanism) -> Grip:
     sides, with equal forces.
     """
     (body,), fingers, carriage = _roles(scene)
-    law = _law(scene, body)
-    misses = _Misses()
+    law, misses = _law(scene), _Misses()
     places = _places(scene, fingers, carriage)
-    solids = {index: _solid(scene, index, places[index]) for index in (body, *(finger.child for finger in fingers))}
-    held, (one, other) = solids[body], (solids[finger.child] for finger in fingers)
-    between = minus(other.centre, one.centre)
-    if not size(between):
-        raise NotModelled("two fingers at the same place")
+    held, one, other = (_solid(scene, index, places[index]) for index in (body, *(finger.child for finger in fingers)))
     axes = [_axis(places[finger.child], finger) for finger in fingers]
-    normal = scaled(MP.sign(dot(axes[0], between)) or MP.one, axes[0])
-    misses.zero(size(cross(axes[1], normal)), "fingers that move along different lines")
-    down = (MP.zero, MP.zero, -MP.mpf(scene.gravity))
-    misses.zero(normal[2] if scene.gravity else MP.zero, "fingers that move along a line that is not horizontal")
-    velocity = vector(scene.bodies[body].start.velocity if scene.bodies[body].start else (0, 0, 0))
-    carried = MP.zero
-    if carriage is not None:
-        carried = MP.mpf(carriage.start_velocity[0])
-        along = _axis(places[carriage.child], carriage)
-        misses.zero(size(cross(down, along)) / max(size(down), MP.one), "a carriage of fingers that moves across gravity")
-    else:
-        along = _unit(down) or _unit(velocity) or _unit(cross(normal, OBLIQUE)) or down
-    misses.zero(dot(along, normal), "fingers that press along the line on which their carriage moves or the body")
-    across = cross(normal, along)
-    speed = dot(velocity, along)
-    moved = minus(velocity, scaled(speed, along))
-    misses.zero(size(moved) / (abs(speed) + size(moved)) if size(moved) else MP.zero, "a gripped body that moves aside")
-    rates = (
-        exact.rates(scene.bodies[body].start.attitude, scene.bodies[body].start.rotation) if scene.bodies[body].start else ()
-    )
-    if any(rates):
+    normal = _normal(minus(other.centre, one.centre), axes, misses)
+    start = scene.bodies[body].start
+    assert start is not None  # it is free
+    weight: Vector3 = (MP.zero, MP.zero, -MP.mpf(scene.gravity))
+    velocity = vector(start.velocity)
+    along = _line(weight, velocity, normal, None if carriage is None else _axis(places[carriage.child], carriage), misses)
+    if any(exact.rates(start.attitude, start.rotation)):
         raise NotModelled("a gripped body that turns at the start")
     points = [_contact(finger, held, normal, sign, misses) for finger, sign in ((one, 1), (other, -1))]
     apart, length = minus(points[1], points[0]), held.half_length(normal)[0]
     misses.zero(size(minus(apart, scaled(dot(apart, normal), normal))) / length, "fingers that press at places apart")
-    from_centre = minus(points[0], held.centre)
-    arm = dot(from_centre, along), dot(from_centre, across)
+    frame, from_centre = (normal, along, cross(normal, along)), minus(points[0], held.centre)
     inertia = exact.inertia(scene.bodies[body])
-    borne = (
-        MP.inf
-        if carriage is None
-        else sum((exact.inertia(scene.bodies[each.child]).mass for each in (*fingers, carriage)), MP.zero)
-    )
-    lows, highs = zip(*(_reach(finger, held, points[0], (normal, along, across)) for finger in (one, other)), strict=True)
+    moving = () if carriage is None else (*fingers, carriage)
+    borne = sum((exact.inertia(scene.bodies[each.child]).mass for each in moving), MP.zero) if moving else MP.inf
+    lows, highs = zip(*(_reach(finger, held, points[0], frame) for finger in (one, other)), strict=True)
     return Grip(
         body,
         None if carriage is None else scene.joints.index(carriage),
-        *(normal, along, across),
+        *frame,
         *(inertia.mass, borne, _moment(inertia.tensor, held.axes, normal)),
-        dot(down, along),
+        dot(weight, along),
         _press(scene, fingers, axes, normal),
         _effort(scene, carriage),
         *(MP.mpf(law.friction), MP.mpf(law.torsional_friction), law.cone == "one" and law.torsional_friction > 0),
-        arm,
-        *(speed, carried),
+        (dot(from_centre, along), dot(from_centre, frame[2])),
+        *(dot(velocity, along), MP.zero if carriage is None else MP.mpf(carriage.start_velocity[0])),
         (max(lows), min(highs)),
         *(misses.largest, length),
         tuple(places[index].point(exact.inertia(each).centre) for index, each in enumerate(scene.bodies)),
     )
+
+
+def _normal(between: Vector3, axes: list[Vector3], misses: _Misses) -> Vector3:
+    """Return the direction in which the first finger presses. between: the way (m) from it to the second."""
+    if not size(between):
+        raise NotModelled("two fingers at the same place")
+    normal = scaled(MP.sign(dot(axes[0], between)) or MP.one, axes[0])
+    misses.zero(size(cross(axes[1], normal)), "fingers that move along different lines")
+    return normal
+
+
+def _line(weight: Vector3, velocity: Vector3, normal: Vector3, rail: Vector3 | None, misses: _Misses) -> Vector3:
+    """Return the direction of loads and motions. rail: that of the carriage; None without one."""
+    down = _unit(weight)
+    if down is not None:
+        misses.zero(dot(down, normal), "fingers that move along a line that is not horizontal")
+    along = rail or down or _unit(velocity) or _unit(cross(normal, OBLIQUE)) or normal
+    if down is not None:
+        misses.zero(size(cross(down, along)), "a carriage of fingers that moves across gravity")
+    misses.zero(dot(along, normal), "fingers that press along the line on which their carriage or the body moves")
+    aside = minus(velocity, scaled(dot(velocity, along), along))
+    misses.zero(size(aside) / (size(velocity) or MP.one), "a gripped body that moves aside")
+    return along
 
 
 def _roles(scene: Mechanism) -> tuple[tuple[int, ...], tuple[Joint, Joint], Joint | None]:
@@ -242,7 +242,7 @@ def _roles(scene: Mechanism) -> tuple[tuple[int, ...], tuple[Joint, Joint], Join
     return free, (one, other), carriage
 
 
-def _law(scene: Mechanism, body: int) -> PairContact:
+def _law(scene: Mechanism) -> PairContact:
     """Return the law of both contacts. Raises `NotModelled` if they differ."""
     one, other = scene.contacts
     laws = [(pair.friction, pair.rolling_friction, pair.torsional_friction, pair.cone) for pair in (one, other)]

@@ -252,7 +252,7 @@ def integral(series: Series, start: Real) -> Series:
 
 def rate_of(series: Series) -> Series:
     """The derivative of a series."""
-    return [*(order * term for order, term in enumerate(series))][1:] + [MP.mpf(0)]
+    return [*(order * term for order, term in enumerate(series) if order), MP.mpf(0)]
 
 
 def value(series: Series, time: Real) -> Real:
