@@ -100,7 +100,8 @@ def course(grip: Grip, last: Real) -> Course:
         if slips and not any(grip.reach):
             raise NotModelled("a sphere that slips between two spheres")
         if slips and grip.turns:
-            return Course(whole.phases, whole.changes, _turns_at(grip, now))
+            held_until = _phase(grip, now, forces, 0)
+            return Course([*whole.phases, held_until], whole.changes, _turns_at(grip, now))
         if now.time and held != (not slips):
             whole.changes.append(Change("slip" if slips else "rest", now.time, *now.body))
         held = not slips

@@ -3,9 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from bodycheck.reference.errors import OutOfReach
-from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Real
+from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Real, wide
 from bodycheck.reference.mechanisms.control import Samples, Signal, Sine
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import WideArray
 
 #: The length of an interval, relative to the whole, in which a function does not change its sign for longer.
 SHORTEST = MP.mpf(10) ** -40
@@ -170,3 +174,15 @@ def _changed(function: Wave, low: Real, high: Real) -> Real:
 def breaks(functions: Sequence[Pieces], until: Real) -> list[Real]:
     """Return the instants (s) before another at which a piece of any function begins, from 0 on."""
     return sorted({start for pieces in functions for start, _ in pieces if start < until})
+
+
+def values(wave: Wave, times: WideArray) -> tuple[WideArray, Array]:
+    """The values (n,) of a function at times (n,), and the sums (n,) of the sizes of its terms, each with its roundings."""
+    values, sizes = np.zeros_like(times), np.zeros_like(times)
+    for order, power in enumerate(wave.powers):
+        term = wide(power) * times**order
+        values, sizes = values + term, sizes + np.abs(term)
+    for a, w, p in wave.sines:
+        amplitude, angle = wide(a), wide(w) * times + wide(MP.fmod(p, 2 * MP.pi))
+        values, sizes = values + amplitude * np.sin(angle), sizes + np.abs(amplitude) * (1 + np.abs(angle))
+    return values, sizes.astype(float)

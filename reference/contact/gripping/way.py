@@ -10,10 +10,13 @@ from bodycheck.reference.bodies import initial
 from bodycheck.reference.bounds import STATES
 from bodycheck.reference.contact.gripping.course import Change, Phase, course
 from bodycheck.reference.contact.gripping.grip import Grip, grip_of
-from bodycheck.reference.contact.gripping.waves import Wave
+from bodycheck.reference.contact.gripping.turning import ANGLE, C, Turning, V, W, turning
+from bodycheck.reference.contact.gripping.waves import values
 from bodycheck.reference.contact.motion import ContactMotion, Event
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP, Vector3, Wide, wide
 from bodycheck.reference.exact.rotations import plus, scaled
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import vector_of
 from bodycheck.reference.trajectory import Array
@@ -22,8 +25,15 @@ from bodycheck.reference.witness import WideArray
 #: The number of roundings of a state in a phase, relative to the size of its terms.
 ROUNDINGS = 32 * float(np.finfo(Wide).eps)
 
+#: The numbers of nodes of the steps of two integrations, and the factor by which errors may be larger than their difference.
+STAGES, SAFETY = (20, 16), 50.0
+
+#: The velocity of a body at rest.
+REST = (0.0, 0.0, 0.0)
+
 #: The equations that are solved, and why they are exact.
 MODEL = "closed form: a body that two fingers hold, or that slips on them along a line"
+INTEGRATED = "collocation: a body that turns between two fingers"
 REASON = "a free body between two fingers that press it with equal forces, under Coulomb's law"
 
 
@@ -36,20 +46,67 @@ def motion(scene: Mechanism, times: Array) -> ContactMotion:
     last = float(times.max(initial=0.0))
     whole = course(grip, MP.mpf(last))
     n, count = len(times), len(scene.bodies)
-    moved, fast, sizes = _along(whole.phases, times)
-    along, centres = _vectors([grip.along])[0], _vectors(grip.centres)
-    carried = np.arange(count) != grip.body
     start = initial(scene)
+    along, centres = _vectors([grip.along])[0], _vectors(grip.centres)
+    moved, fast, sizes = _along(whole.phases, times)
+    carried = np.arange(count) != grip.body
+    position = centres[:, None] + np.where(carried[:, None], moved[1], moved[0])[:, :, None] * along
+    velocity = np.where(carried[:, None], fast[1], fast[0])[:, :, None] * along
+    quaternion, spin = np.repeat(start.quaternion.astype(Wide), n, axis=1), np.zeros((count, n, 3), Wide)
+    errors, events = _bounds(grip, sizes, times), [_event(grip, change) for change in whole.changes]
+    if whole.turns_at is not None:
+        later = slice(int(np.searchsorted(times, float(whole.turns_at), side="right")), None)
+        turned, other = (turning(grip, whole.turns_at, times[later], MP.mpf(last), stages) for stages in STAGES)
+        attitude, own = quaternion[grip.body, later], (position, velocity, quaternion, spin)
+        for values_of_all, rows in zip(own, _states(grip, turned, attitude), strict=True):
+            values_of_all[grip.body, later] = rows
+        for name, rows in _added(turned, other).items():
+            errors[name][later] += rows
+        events += _turned_events(grip, turned, other)
     return ContactMotion(
-        centres[:, None] + np.where(carried[:, None], moved[1], moved[0])[:, :, None] * along,
-        np.where(carried[:, None], fast[1], fast[0])[:, :, None] * along,
-        np.repeat(start.quaternion.astype(Wide), n, axis=1),
-        np.zeros((count, n, 3), Wide),
-        _bounds(grip, sizes, times),
-        tuple(_event(grip, change) for change in whole.changes),
-        MODEL,
+        *(position, velocity, quaternion, spin, errors, tuple(events)),
+        MODEL if whole.turns_at is None else INTEGRATED,
         REASON,
     )
+
+
+def _states(grip: Grip, turned: Turning, attitude: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+    """The positions, velocities, attitudes and angular velocities (n, k) of a body that turns. attitude: (n, 4) before."""
+    normal, along, across = _vectors([grip.normal, grip.along, grip.across])
+    arm = np.array([wide(each) for each in grip.arm], Wide)
+    plane = np.stack([along, across])
+    states = turned.states
+    position = _vectors([grip.centres[grip.body]])[0] + (states[:, C] + arm) @ plane
+    half = states[:, ANGLE] / 2
+    turn = np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * normal], axis=1)
+    spin = rotate(conjugate(attitude), np.tile(normal, (len(states), 1))) * states[:, W][:, None]
+    return position, states[:, V] @ plane, normalise(multiply(turn, attitude)), spin
+
+
+def _added(turned: Turning, other: Turning) -> dict[str, Array]:
+    """The bounds (n,) of the errors of the states of a body that turns, by the names of `bounds.STATES`.
+
+    They are the largest differences so far from the integration with other steps.
+    """
+    apart = np.maximum.accumulate(np.abs(turned.states - other.states), axis=0).astype(float)
+    sizes = np.maximum.accumulate(np.abs(turned.states), axis=0).astype(float)
+    errors = SAFETY * apart + ROUNDINGS * sizes
+    far, fast = (errors[:, part].sum(axis=1) for part in (C, V))
+    return dict(zip(STATES, (errors[:, ANGLE], far, fast, errors[:, W] + sizes[:, W] * errors[:, ANGLE]), strict=True))
+
+
+def _turned_events(grip: Grip, turned: Turning, other: Turning) -> list[Event]:
+    """The events of a body that turns. Their errors are the differences from the integration with other steps."""
+    if [event.kind for event in turned.events] != [event.kind for event in other.events]:
+        raise OutOfReach("a body between fingers that comes to rest and turns on almost at once")
+    arm = np.array([wide(each) for each in grip.arm], Wide)
+    plane, centre = _vectors([grip.along, grip.across]), _vectors([grip.centres[grip.body]])[0]
+    events = []
+    for event, again in zip(turned.events, other.events, strict=True):
+        position = vector_of(centre + (event.state[C] + arm) @ plane)
+        error = SAFETY * abs(float(event.time - again.time)) + ROUNDINGS * float(event.time) * (1 + 1e12 * float(grip.missed))
+        events.append(Event(event.kind, float(event.time), error, grip.body, position, REST, REST))
+    return [event for event in events if event.time > 0]
 
 
 def _along(phases: list[Phase], times: Array) -> tuple[WideArray, WideArray, Array]:
@@ -61,22 +118,10 @@ def _along(phases: list[Phase], times: Array) -> tuple[WideArray, WideArray, Arr
         here, phase = index == number, phases[number]
         since = np.array([wide(MP.mpf(time) - phase.start) for time in times[here].tolist()], Wide)
         for row, wave in enumerate((phase.body, phase.carriage)):
-            moved[row, here], far = _values(wave, since)
-            fast[row, here], quick = _values(wave.rate(), since)
+            moved[row, here], far = values(wave, since)
+            fast[row, here], quick = values(wave.rate(), since)
             sizes[:, here] = np.maximum(sizes[:, here], [far, quick])
     return moved, fast, sizes
-
-
-def _values(wave: Wave, times: WideArray) -> tuple[WideArray, Array]:
-    """The values (n,) of a function at times (n,), and the sums (n,) of the sizes of its terms, each with its roundings."""
-    values, sizes = np.zeros_like(times), np.zeros_like(times)
-    for order, power in enumerate(wave.powers):
-        term = wide(power) * times**order
-        values, sizes = values + term, sizes + np.abs(term)
-    for a, w, p in wave.sines:
-        amplitude, angle = wide(a), wide(w) * times + wide(MP.fmod(p, 2 * MP.pi))
-        values, sizes = values + amplitude * np.sin(angle), sizes + np.abs(amplitude) * (1 + np.abs(angle))
-    return values, sizes.astype(float)
 
 
 def _bounds(grip: Grip, sizes: Array, times: Array) -> dict[str, Array]:
