@@ -182,7 +182,9 @@ def _after(phase: Phase, lasting: Real, *, stopped: bool) -> _Now:
 
 
 def _turns_at(grip: Grip, now: _Now) -> Real:
-    """Return the time (s) at which an eccentric body begins to turn."""
+    """Return the time (s) at which an eccentric body begins to turn without slip."""
+    if grip.one:
+        raise NotModelled("a body that slips and turns between fingers, as both share one limit")
     if grip.carriage is not None:
         raise NotModelled("a body that turns between fingers on a carriage")
     if now.slips:

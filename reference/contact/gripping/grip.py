@@ -79,8 +79,6 @@ class Grip:
         The speeds (m/s) at the start along d of the body and of the carriage.
     reach
         The displacements (m) of the body along d from the fingers between which the contacts stay as they are.
-    faces
-        The components along d and n x d of the axes of the face of a brick that spheres press on, and half its lengths (m).
     missed
         By how much the numbers of the file miss the contacts and directions, relative to sizes and speeds.
     length
@@ -107,7 +105,6 @@ class Grip:
     speed: Real
     carried: Real
     reach: tuple[Real, Real]
-    faces: tuple[tuple[Real, Real, Real], ...]
     missed: Real
     length: Real
     centres: tuple[Vector3, ...]
@@ -189,7 +186,6 @@ def grip_of(scene: Mechanism) -> Grip:
         (dot(from_centre, along), dot(from_centre, frame[2])),
         *(dot(velocity, along), MP.zero if carriage is None else MP.mpf(carriage.start_velocity[0])),
         (max(lows), min(highs)),
-        tuple((dot(axis, along), dot(axis, frame[2]), half) for axis, half in held.faces(normal)),
         *(misses.largest, length),
         tuple(places[index].point(exact.inertia(each).centre) for index, each in enumerate(scene.bodies)),
     )

@@ -10,7 +10,7 @@ from bodycheck.reference.bodies import initial
 from bodycheck.reference.bounds import STATES
 from bodycheck.reference.contact.gripping.course import Change, Phase, course
 from bodycheck.reference.contact.gripping.grip import Grip, grip_of
-from bodycheck.reference.contact.gripping.turning import ANGLE, C, Turning, V, W, turning
+from bodycheck.reference.contact.gripping.turning import ANGLE, Turning, W, centre_of, turned_by, turning
 from bodycheck.reference.contact.gripping.waves import values
 from bodycheck.reference.contact.motion import ContactMotion, Event
 from bodycheck.reference.errors import OutOfReach
@@ -60,7 +60,7 @@ def motion(scene: Mechanism, times: Array) -> ContactMotion:
         attitude, own = quaternion[grip.body, later], (position, velocity, quaternion, spin)
         for values_of_all, rows in zip(own, _states(grip, turned, attitude), strict=True):
             values_of_all[grip.body, later] = rows
-        for name, rows in _added(turned, other).items():
+        for name, rows in _added(grip, turned, other).items():
             errors[name][later] += rows
         events += _turned_events(grip, turned, other)
     return ContactMotion(
@@ -73,37 +73,36 @@ def motion(scene: Mechanism, times: Array) -> ContactMotion:
 def _states(grip: Grip, turned: Turning, attitude: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
     """The positions, velocities, attitudes and angular velocities (n, k) of a body that turns. attitude: (n, 4) before."""
     normal, along, across = _vectors([grip.normal, grip.along, grip.across])
-    arm = np.array([wide(each) for each in grip.arm], Wide)
-    plane = np.stack([along, across])
-    states = turned.states
-    position = _vectors([grip.centres[grip.body]])[0] + (states[:, C] + arm) @ plane
-    half = states[:, ANGLE] / 2
-    turn = np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * normal], axis=1)
-    spin = rotate(conjugate(attitude), np.tile(normal, (len(states), 1))) * states[:, W][:, None]
-    return position, states[:, V] @ plane, normalise(multiply(turn, attitude)), spin
+    angle, w = turned.states[:, ANGLE], turned.states[:, W]
+    centre = centre_of(grip)
+    c = turned_by(centre, angle)
+    position = _vectors([grip.centres[grip.body]])[0] + (c - centre) @ np.stack([along, across])
+    velocity = w[:, None] * (c @ np.stack([across, -along]))
+    turn = np.concatenate([np.cos(angle / 2)[:, None], np.sin(angle / 2)[:, None] * normal], axis=1)
+    spin = rotate(conjugate(attitude), np.tile(normal, (len(angle), 1))) * w[:, None]
+    return position, velocity, normalise(multiply(turn, attitude)), spin
 
 
-def _added(turned: Turning, other: Turning) -> dict[str, Array]:
+def _added(grip: Grip, turned: Turning, other: Turning) -> dict[str, Array]:
     """The bounds (n,) of the errors of the states of a body that turns, by the names of `bounds.STATES`.
 
     They are the largest differences so far from the integration with other steps.
     """
     apart = np.maximum.accumulate(np.abs(turned.states - other.states), axis=0).astype(float)
     sizes = np.maximum.accumulate(np.abs(turned.states), axis=0).astype(float)
-    errors = SAFETY * apart + ROUNDINGS * sizes
-    far, fast = (errors[:, part].sum(axis=1) for part in (C, V))
-    return dict(zip(STATES, (errors[:, ANGLE], far, fast, errors[:, W] + sizes[:, W] * errors[:, ANGLE]), strict=True))
+    errors = SAFETY * apart + ROUNDINGS * (1 + sizes)
+    angle, w, arm = errors[:, ANGLE], errors[:, W], float(np.hypot(*centre_of(grip)))
+    return dict(zip(STATES, (angle, arm * angle, arm * (w + sizes[:, W] * angle), w), strict=True))
 
 
 def _turned_events(grip: Grip, turned: Turning, other: Turning) -> list[Event]:
     """The events of a body that turns. Their errors are the differences from the integration with other steps."""
     if [event.kind for event in turned.events] != [event.kind for event in other.events]:
         raise OutOfReach("a body between fingers that comes to rest and turns on almost at once")
-    arm = np.array([wide(each) for each in grip.arm], Wide)
-    plane, centre = _vectors([grip.along, grip.across]), _vectors([grip.centres[grip.body]])[0]
+    plane, start, centre = _vectors([grip.along, grip.across]), _vectors([grip.centres[grip.body]])[0], centre_of(grip)
     events = []
     for event, again in zip(turned.events, other.events, strict=True):
-        position = vector_of(centre + (event.state[C] + arm) @ plane)
+        position = vector_of(start + (turned_by(centre, np.array([event.angle]))[0] - centre) @ plane)
         error = SAFETY * abs(float(event.time - again.time)) + ROUNDINGS * float(event.time) * (1 + 1e12 * float(grip.missed))
         events.append(Event(event.kind, float(event.time), error, grip.body, position, REST, REST))
     return [event for event in events if event.time > 0]

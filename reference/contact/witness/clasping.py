@@ -35,10 +35,10 @@ class Clasp:
     ----------
     body
         The index of the body.
-    along
-        The unit vector of the line.
-    mass, light
-        The mass of the body (kg), and the inverse mass of carriage and fingers (1/kg), 0 on the world.
+    normal, along
+        The unit vectors of the line along which a finger presses, towards the body, and of the line of the motion.
+    mass, moment, light
+        The mass of the body (kg), its moment of inertia about n (kg m^2), and the inverse mass of carriage and fingers (1/kg), 0 on the world.
     gravity
         The acceleration of gravity along the line (m/s^2).
     press, sign
@@ -56,8 +56,10 @@ class Clasp:
     """
 
     body: int
+    normal: Vector
     along: Vector
     mass: Real
+    moment: Real
     light: Real
     gravity: Real
     press: Signal
@@ -116,7 +118,7 @@ def clasp_of(scene: Mechanism) -> Clasp:
         choices = (weight, velocity, cross(pressing, centres[index]), cross(pressing, (MP.mpf(1), MP.mpf(2), MP.mpf(3))))
         along = next(each for each in choices if norm(each) > 0)
     along = scaled(along, 1 / norm(along))
-    mass, _ = made_of(body.inertia)
+    mass, tensor = made_of(body.inertia)
     sign = MP.sign(dot(pressing, minus(centres[index], centres[fingers[0]])))
     press = _signals(scene, joints[fingers[0]])
     if len(press) > 1:
@@ -125,12 +127,24 @@ def clasp_of(scene: Mechanism) -> Clasp:
     if isinstance(shape_of(scene.bodies[fingers[0]]), Sphere):
         away = minus(centres[index], centres[fingers[0]])
     away = minus(away, scaled(pressing, dot(away, pressing)))
-    lever, rise = dot(away, cross(pressing, along)), dot(away, along)
+    normal = scaled(pressing, sign)
+    lever, rise = dot(away, cross(normal, along)), dot(away, along)
+    across_body = [dot([row[column] for row in frames[index][0]], normal) for column in range(3)]
     size = norm(minus(centres[index], centres[fingers[0]]))
     law = scene.contacts[0]
     return Clasp(
         index,
-        *(along, mass, light, dot(weight, along), press[0], sign, effort),
+        *(
+            normal,
+            along,
+            mass,
+            dot(across_body, applied(tensor, across_body)),
+            light,
+            dot(weight, along),
+            press[0],
+            sign,
+            effort,
+        ),
         *(MP.mpf(law.friction), MP.mpf(law.torsional_friction), law.cone == "one" and law.torsional_friction > 0),
         *(lever if abs(lever) > DECIMALS * size else MP.mpf(0), rise),
         *(dot(velocity, along), carried, tuple(centres)),
