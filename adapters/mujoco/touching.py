@@ -3,7 +3,8 @@
 Each body has a free joint at its centre of mass and one geom of its shape; bodies on joints that touch others are in the module
 `gripping`. The plane is an infinite geom that is rotated about y. All geoms have the friction of the scene's plane: MuJoCo uses
 the larger coefficient of two geoms, which is this coefficient for every pair. Pairs with other coefficients are elements
-`pair`, which replace the contacts that MuJoCo finds itself. A pair without friction has contacts of one dimension. The options of the module `contact` apply to all pairs.
+`pair`, which replace the contacts that MuJoCo finds itself. A pair without friction has contacts of one dimension. The options
+of the module `contact` apply to all pairs.
 
 A pair with rolling friction has contacts of six dimensions, and one with torsional friction alone has contacts of four. Both
 coefficients are lengths, as MuJoCo's are.

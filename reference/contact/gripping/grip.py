@@ -112,7 +112,7 @@ class Grip:
     @property
     def centred(self) -> bool:
         """Return whether the load has no moment about the contacts."""
-        return abs(self.arm[1]) <= NONE * (abs(self.arm[0]) + self.length)
+        return bool(abs(self.arm[1]) <= NONE * (abs(self.arm[0]) + self.length))
 
     @property
     def bearing(self) -> Real:
@@ -170,6 +170,7 @@ def grip_of(scene: Mechanism) -> Grip:
     apart, length = minus(points[1], points[0]), held.half_length(normal)[0]
     misses.zero(size(minus(apart, scaled(dot(apart, normal), normal))) / length, "fingers that press at places apart")
     frame, from_centre = (normal, along, cross(normal, along)), minus(points[0], held.centre)
+    arm = dot(from_centre, along), dot(from_centre, frame[2])
     inertia = exact.inertia(scene.bodies[body])
     moving = () if carriage is None else (*fingers, carriage)
     borne = sum((exact.inertia(scene.bodies[each.child]).mass for each in moving), MP.zero) if moving else MP.inf
@@ -178,12 +179,12 @@ def grip_of(scene: Mechanism) -> Grip:
         body,
         None if carriage is None else scene.joints.index(carriage),
         *frame,
-        *(inertia.mass, borne, _moment(inertia.tensor, held.axes, normal)),
+        *(inertia.mass, borne, _moment(inertia.tensor, held.axes, normal, misses if arm[1] else None)),
         dot(weight, along),
         _press(scene, fingers, axes, normal),
         _effort(scene, carriage),
         *(MP.mpf(law.friction), MP.mpf(law.torsional_friction), law.cone == "one" and law.torsional_friction > 0),
-        (dot(from_centre, along), dot(from_centre, frame[2])),
+        arm,
         *(dot(velocity, along), MP.zero if carriage is None else MP.mpf(carriage.start_velocity[0])),
         (max(lows), min(highs)),
         *(misses.largest, length),
@@ -336,11 +337,19 @@ def _reach(finger: Solid, held: Solid, point: Vector3, frame: tuple[Vector3, Vec
     return low, high
 
 
-def _moment(tensor: tuple[Real, ...], axes: tuple[Vector3, Vector3, Vector3], normal: Vector3) -> Real:
-    """Return the moment of inertia (kg m^2) of a body about a normal, world frame."""
+def _moment(tensor: tuple[Real, ...], axes: tuple[Vector3, Vector3, Vector3], normal: Vector3, misses: _Misses | None) -> Real:
+    """Return the moment of inertia (kg m^2) of a body about a normal, world frame.
+
+    misses: for a body that may turn about the normal, which then must be a principal axis.
+    """
     x, y, z = (dot(axis, normal) for axis in axes)
     xx, yy, zz, xy, xz, yz = tensor
-    return xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
+    rows = xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z
+    moment = dot(rows, (x, y, z))
+    if misses is not None:
+        aside = minus(rows, scaled(moment, (x, y, z)))
+        misses.zero(size(aside) / (moment or MP.one), "a body between fingers that products of inertia would tilt")
+    return moment
 
 
 def _force(scene: Mechanism, joint: Joint) -> Pieces:

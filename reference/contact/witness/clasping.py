@@ -38,7 +38,8 @@ class Clasp:
     normal, along
         The unit vectors of the line along which a finger presses, towards the body, and of the line of the motion.
     mass, moment, light
-        The mass of the body (kg), its moment of inertia about n (kg m^2), and the inverse mass of carriage and fingers (1/kg), 0 on the world.
+        The mass of the body (kg), its moment of inertia about n (kg m^2), and the inverse mass (1/kg) of carriage and
+        fingers, 0 on the world.
     gravity
         The acceleration of gravity along the line (m/s^2).
     press, sign
@@ -108,7 +109,8 @@ def clasp_of(scene: Mechanism) -> Clasp:
     joints = {joint.child: number for number, joint in enumerate(scene.joints)}
     first = scene.joints[joints[fingers[0]]]
     pressing = _direction(frames, first.child, first.axis)
-    light, effort, carried = MP.mpf(0), (MP.mpf(0),), MP.mpf(0)
+    light, carried = MP.mpf(0), MP.mpf(0)
+    effort: tuple[Signal, ...] = (MP.mpf(0),)
     if first.parent != WORLD:
         rail = scene.joints[joints[first.parent]]
         along = _direction(frames, rail.child, rail.axis)
@@ -123,7 +125,7 @@ def clasp_of(scene: Mechanism) -> Clasp:
     press = _signals(scene, joints[fingers[0]])
     if len(press) > 1:
         raise NotModelled("a finger with two efforts")
-    away = [MP.mpf(0)] * 3
+    away: Vector = [MP.mpf(0)] * 3
     if isinstance(shape_of(scene.bodies[fingers[0]]), Sphere):
         away = minus(centres[index], centres[fingers[0]])
     away = minus(away, scaled(pressing, dot(away, pressing)))

@@ -1,7 +1,7 @@
 """Power series of a body that swings about its two fingers against torsional friction.
 
-Half the angle has a cosine and a sine whose series follow from that of the angular velocity, coefficient by coefficient. They are
-the rotation as a quaternion, and their products are the sine and the cosine of the angle.
+Half the angle has a cosine and a sine whose series follow from that of the angular velocity, coefficient by coefficient. They
+are the rotation as a quaternion, and their products are the sine and the cosine of the angle.
 """
 
 from dataclasses import dataclass
