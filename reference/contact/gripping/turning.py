@@ -162,8 +162,9 @@ def _moving(grip: Grip, whole: Turning, state: WideArray, last: Wide) -> WideArr
     while state[T] < last:
         now = exactly(state[T])
         until = min([*(wide(start) for start, _ in grip.press if start > now), last])
-        numbers = (wide(each) for each in (grip.mass, grip.moment, grip.gravity, grip.torsional))
-        body = Pendulum(*numbers, centre_of(grip), piece_at(grip.press, now).from_time(now), state[T], sense)
+        mass, moment, gravity, torsional = map(wide, (grip.mass, grip.moment, grip.gravity, grip.torsional))
+        press = piece_at(grip.press, now).from_time(now)
+        body = Pendulum(mass, moment, gravity, torsional, centre_of(grip), press, state[T], sense)
         state, rests = _swung(body, grip, whole, state, until)
         if rests:
             break

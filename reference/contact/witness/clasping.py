@@ -102,7 +102,9 @@ def clasp_of(scene: Mechanism) -> Clasp:
     assert body.start is not None  # it is free
     fingers = [next(each for each in pair.bodies if each != index) for pair in scene.contacts]
     frames = _frames(scene)
-    centres = [plus(frames[each][1], applied(frames[each][0], _centre(scene, each))) for each in range(len(scene.bodies))]
+    centres: list[Vector] = [
+        plus(frames[each][1], applied(frames[each][0], _centre(scene, each))) for each in range(len(scene.bodies))
+    ]
     centres[index] = [MP.mpf(each) for each in body.start.position]
     velocity = [MP.mpf(each) for each in body.start.velocity]
     weight: Vector = (MP.mpf(0), MP.mpf(0), -MP.mpf(scene.gravity))
@@ -150,7 +152,7 @@ def clasp_of(scene: Mechanism) -> Clasp:
         *(MP.mpf(law.friction), MP.mpf(law.torsional_friction), law.cone == "one" and law.torsional_friction > 0),
         *(lever if abs(lever) > DECIMALS * size else MP.mpf(0), rise),
         *(dot(velocity, along), carried, tuple(centres)),
-        tuple(exact_quaternion(frames[each][0]) for each in range(len(scene.bodies))),
+        tuple(exact_quaternion([list(row) for row in frames[each][0]]) for each in range(len(scene.bodies))),
     )
 
 
@@ -164,12 +166,8 @@ def _centre(scene: Mechanism, index: int) -> Vector:
 
 def _frames(scene: Mechanism) -> dict[int, tuple[Matrix, Vector]]:
     """The matrices of cosines and the origins (m) of the frames of all bodies; of a free one, of its centre of mass."""
-    frames: dict[int, tuple[Matrix, Vector]] = {
-        WORLD: (
-            [[MP.mpf(row == column) for column in range(3)] for row in range(3)],
-            [MP.mpf(0)] * 3,
-        )
-    }
+    level = [[MP.mpf(row == column) for column in range(3)] for row in range(3)]
+    frames: dict[int, tuple[Matrix, Vector]] = {WORLD: (level, [MP.mpf(0)] * 3)}
     for index, body in enumerate(scene.bodies):
         if body.start is not None:
             frames[index] = attitude(body.start.attitude), [MP.mpf(each) for each in body.start.position]
@@ -178,8 +176,8 @@ def _frames(scene: Mechanism) -> dict[int, tuple[Matrix, Vector]]:
             if joint.parent in frames and joint.child not in frames:
                 rows, origin = frames[joint.parent]
                 turned = product(rows, attitude(joint.attitude))
-                slid = [MP.mpf(each) for each in joint.axis]
-                slid = scaled(slid, MP.mpf(joint.start[0]) / norm(slid))
+                axis = [MP.mpf(each) for each in joint.axis]
+                slid = scaled(axis, MP.mpf(joint.start[0]) / norm(axis))
                 place = plus(origin, applied(rows, [MP.mpf(each) for each in joint.position]), applied(turned, slid))
                 frames[joint.child] = turned, place
     return frames

@@ -83,12 +83,10 @@ def second(scene: AnyScene, instants: Array) -> Witness | None:
     clasp = clasp_of(scene)
     last = MP.mpf(float(instants.max(initial=0.0)))
     edges = _edges(clasp)
-    *parts, events, turns_at = _followed(clasp, last, edges)
-    of_body, of_carriage = (_placed(clasp, part) for part in parts)
-    if turns_at is not None:
-        swings, turned = swung(clasp, turns_at, last, edges)
-        of_body, events = [*of_body, *swings], [*events, *turned]
-    of_body, of_carriage = pieces.states(of_body, instants), pieces.states(of_carriage, instants)
+    parts, events, turns_at = _followed(clasp, last, edges)
+    swings, turned = ([], []) if turns_at is None else swung(clasp, turns_at, last, edges)
+    of_body = pieces.states([*_placed(clasp, parts[0]), *swings], instants)
+    of_carriage = pieces.states(_placed(clasp, parts[1]), instants)
     states = [of_body if index == clasp.body else of_carriage for index in range(len(scene.bodies))]
     centres = np.stack([pieces.wide(centre) for centre in clasp.centres])
     errors = {name: np.maximum(of_body.errors[name], of_carriage.errors[name]) for name in STATES}
@@ -106,7 +104,7 @@ def second(scene: AnyScene, instants: Array) -> Witness | None:
         errors["angular_velocity_error"] + pieces.ROUNDINGS * float(np.abs(of_body.spin).max(initial=0)),
         errors["position_error"],
         errors["velocity_error"],
-        events=tuple(events),
+        events=(*events, *turned),
     )
 
 
@@ -116,7 +114,9 @@ def _edges(clasp: Clasp) -> list[Real]:
     return sorted({MP.mpf(time) for signal in signals if isinstance(signal, Samples) for time in signal.times})
 
 
-def _followed(clasp: Clasp, last: Real, edges: list[Real]) -> tuple[list[_Part], list[_Part], list[Instant], Real | None]:
+def _followed(
+    clasp: Clasp, last: Real, edges: list[Real]
+) -> tuple[tuple[list[_Part], list[_Part]], list[Instant], Real | None]:
     """The places of body and carriage as series, each from a time (s) on, the events, and the time at which the body turns.
 
     edges: see `_edges`. The motion ends at a time (s), or where the body turns.
@@ -134,7 +134,9 @@ def _followed(clasp: Clasp, last: Real, edges: list[Real]) -> tuple[list[_Part],
         if sign and clasp.turning:
             if clasp.one or clasp.light:
                 raise NotModelled("a body that turns between fingers and slips, or on a carriage")
-            return [*parts[0], (now.time, constant(0))], [*parts[1], (now.time, constant(0))], events, now.time
+            for part in parts:
+                part.append((now.time, constant(0)))
+            return parts, events, now.time
         if slipped is not None and bool(slipped) != bool(sign):
             events.append(Instant("slip" if sign else "rest", float(now.time), EPS * float(now.time), clasp.body))
         slipped = sign
@@ -148,7 +150,7 @@ def _followed(clasp: Clasp, last: Real, edges: list[Real]) -> tuple[list[_Part],
         body, carriage = ((value(way, lasting), value(rate_of(way), lasting)) for way in ways)
         now = _Line(now.time + lasting, body if sign and not ends else (body[0], carriage[1]), carriage)
         if now.time >= last:
-            return *parts, events, None
+            return parts, events, None
     raise OutOfReach(f"a gripped body with more than {MOST_STEPS} steps")
 
 
