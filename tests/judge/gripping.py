@@ -137,6 +137,8 @@ def motions(text: str, instants: Sequence[Decimal]) -> list[Motion]:
         before = mode
         sense = _sense(held, numbers, angle, now, turned)
         mode = "held" if not sense else "turn" if held.turns else "slip"
+        if sense and held.one and held.arm[1]:
+            raise ValueError("one cone does not hold the body, and the judge has no motion of it")
         turned = turned or mode == "turn"
         if before and mode != before and now > 0:
             events.append(("rest" if mode == "held" else mode, now))
