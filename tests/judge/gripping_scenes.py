@@ -6,10 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tests.judge import gripping
 from tests.judge.contact_scenes import event_claims
 from tests.judge.documents import written
 from tests.judge.numerals import exact
+from tests.judge.states import Motion
 from tests.judge.verdicts import Verdict, state_claims, truth_of, verdict
 
 Table = dict[str, Any]
@@ -30,11 +33,13 @@ def judge(seed: int, folder: Path) -> Verdict:
     truth = truth_of(text, folder)
     if isinstance(truth, str):
         return Verdict(seed, kind, 0.0, refused=truth)
-    claims = []
+    claims, last = [], float(truth.trajectory.t[~np.isnan(truth.bounds.error)][-1])
     for body, motion in enumerate(gripping.motions(text, exact(truth.trajectory.t.tolist()))):
-        own = replace(truth, events=tuple(event for event in truth.events if event.body == body))
-        claims += state_claims(truth, body, motion.states) + event_claims(own, motion)
-    return verdict(seed, f"{kind} ({len(truth.events)} events)", claims)
+        known = {index: state for index, state in motion.states.items() if truth.trajectory.t[index] <= last}
+        own = replace(truth, events=tuple(event for event in truth.events if event.body == body and event.time <= last))
+        events = [(kind, time) for kind, time in motion.events if time <= last]
+        claims += state_claims(truth, body, known) + event_claims(own, Motion(known, events))
+    return verdict(seed, f"{kind} ({len(truth.events)} events, until {last:.3g} s)", claims)
 
 
 def _scene(

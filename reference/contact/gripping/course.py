@@ -6,7 +6,7 @@ held while |f| is at most the bearing of the contacts. Slipping along sigma, f =
 the time and sines, and so are all motions within a phase.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bodycheck.reference.contact.gripping.grip import Grip
 from bodycheck.reference.contact.gripping.waves import Wave, breaks, constant, first_negative, piece_at
@@ -53,11 +53,14 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """The phases and events of a motion, and the time (s) at which the body begins to turn; None if it does not."""
+    """The phases and events of a motion, and the times (s) at which the body begins to turn, and from which on its motion is
+    not known; None if it does not turn, or is known until the end.
+    """
 
     phases: list[Phase]
     changes: list[Change]
     turns_at: Real | None = None
+    ends_at: Real | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +86,10 @@ class _Forces:
 
 
 def course(grip: Grip, last: Real) -> Course:
-    """Return the motion until a time (s), or until the body turns.
+    """Return the motion until a time (s), until the body turns, or until it is no longer known.
 
-    Raises `NotModelled` for fingers that open, and for a body that slips out of them.
+    It is not known from the time on at which the fingers open, the body slips out of them, or it slips and turns at once.
+    Raises `NotModelled` if this is so from the start on.
     """
     whole = Course([], [])
     now = _Now(MP.zero, (MP.zero, grip.speed), (MP.zero, grip.carried))
@@ -94,26 +98,51 @@ def course(grip: Grip, last: Real) -> Course:
     for _ in range(MOST_PHASES):
         until = min([edge for edge in edges if edge > now.time], default=last) - now.time
         forces = _Forces(*(piece_at(pieces, now.time).from_time(now.time) for pieces in (grip.press, grip.effort)))
-        if (opens := first_negative(forces.press, until)) is not None:
-            raise NotModelled(f"fingers that open, at t = {float(now.time + opens):.6g} s")
+        opens = first_negative(forces.press, until)
+        if opens is not None and opens <= AT_ONCE * until:
+            return _ended(whole, now.time, "fingers that open")
         slips = now.slips or _yields(grip, forces, until)
-        if slips and not any(grip.reach):
-            raise NotModelled("a sphere that slips between two spheres")
+        if slips and (reason := _unknown(grip, now)):
+            return _ended(whole, now.time, reason)
+        phase = _phase(grip, now, forces, 0 if grip.turns else slips)
+        whole.phases.append(phase)
         if slips and grip.turns:
-            held_until = _phase(grip, now, forces, 0)
-            return Course([*whole.phases, held_until], whole.changes, _turns_at(grip, now))
+            return replace(whole, turns_at=now.time)
         if now.time and held != (not slips):
             whole.changes.append(Change("slip" if slips else "rest", now.time, *now.body))
         held = not slips
-        phase = _phase(grip, now, forces, slips)
-        whole.phases.append(phase)
+        until = until if opens is None else opens
         ending = _ending(grip, phase, forces, until)
         lasting = until if ending is None else ending
-        _inside(grip, phase, lasting)
+        leaves = _leaves(grip, phase, lasting)
+        if leaves is not None:
+            return _ended(whole, phase.start + leaves, "a body that slips out of its fingers")
+        if opens is not None and ending is None:
+            return _ended(whole, phase.start + opens, "fingers that open")
         now = _after(phase, lasting, stopped=bool(slips) and ending is not None)
         if now.time >= last:
             return whole
     raise OutOfReach(f"a gripped body with more than {MOST_PHASES} changes of its motion")
+
+
+def _ended(whole: Course, time: Real, reason: str) -> Course:
+    """Return a motion that is known until a time (s). Raises `NotModelled`, with a reason, if it is not known at all."""
+    if not time:
+        raise NotModelled(reason)
+    return replace(whole, ends_at=time)
+
+
+def _unknown(grip: Grip, now: _Now) -> str:
+    """Return why the motion of a body that slips or turns is not known; empty if it is."""
+    if not any(grip.reach):
+        return "a sphere that slips between two spheres"
+    if not grip.turns:
+        return ""
+    if grip.one:
+        return "a body that slips and turns between fingers, as both share one limit"
+    if grip.carriage is not None:
+        return "a body that turns between fingers on a carriage"
+    return "a body that slips and turns between fingers at the start" if now.slips else ""
 
 
 def _load(grip: Grip, forces: _Forces) -> Wave:
@@ -163,14 +192,17 @@ def _ending(grip: Grip, phase: Phase, forces: _Forces, until: Real) -> Real | No
     return min((ending for ending in endings if ending is not None), default=None)
 
 
-def _inside(grip: Grip, phase: Phase, lasting: Real) -> None:
-    """Raise `NotModelled` if the contacts leave a face within a time (s)."""
+def _leaves(grip: Grip, phase: Phase, lasting: Real) -> Real | None:
+    """Return the time (s), of a phase that lasts so long, after which a contact leaves a face; None if none does."""
+    if not phase.slips:
+        return None
     slid = phase.body.plus(phase.carriage.times(MP.mpf(-1)))
-    for sign, end in zip((-1, 1), grip.reach, strict=True):
-        if phase.slips and not MP.isinf(end):
-            leaves = first_negative(slid.times(MP.mpf(-sign)).plus(constant(sign * end)), lasting)
-            if leaves is not None:
-                raise NotModelled(f"a body that slips out of its fingers, at t = {float(phase.start + leaves):.6g} s")
+    left = [
+        first_negative(slid.times(MP.mpf(-sign)).plus(constant(sign * end)), lasting)
+        for sign, end in zip((-1, 1), grip.reach, strict=True)
+        if not MP.isinf(end)
+    ]
+    return min((time for time in left if time is not None), default=None)
 
 
 def _after(phase: Phase, lasting: Real, *, stopped: bool) -> _Now:
@@ -179,14 +211,3 @@ def _after(phase: Phase, lasting: Real, *, stopped: bool) -> _Now:
     if stopped or not phase.slips:
         body = body[0], carriage[1]
     return _Now(phase.start + lasting, body, carriage)
-
-
-def _turns_at(grip: Grip, now: _Now) -> Real:
-    """Return the time (s) at which an eccentric body begins to turn without slip."""
-    if grip.one:
-        raise NotModelled("a body that slips and turns between fingers, as both share one limit")
-    if grip.carriage is not None:
-        raise NotModelled("a body that turns between fingers on a carriage")
-    if now.slips:
-        raise NotModelled("a body that slips and turns between fingers at the start")
-    return now.time

@@ -17,7 +17,7 @@ from bodycheck.reference.contact.gripping.course import AT_ONCE
 from bodycheck.reference.contact.gripping.grip import Grip
 from bodycheck.reference.contact.gripping.waves import Wave, constant, first_negative, piece_at, values
 from bodycheck.reference.contact.motion import EventKind
-from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Real, Wide, exactly, wide
 from bodycheck.reference.integration.collocation import Step, steps
 from bodycheck.reference.trajectory import Array
@@ -50,13 +50,17 @@ class Turned:
 
 @dataclass(eq=False)
 class Turning:
-    """The states (n, 3) at n instants (s), of which the first `row` are known, and the events, by steps with so many nodes."""
+    """The states (n, 3) at n instants (s), of which the first `row` are filled in, and the events, by steps with so many nodes.
+
+    The motion is not known from a time (s) on, if that is not None.
+    """
 
     times: WideArray
     states: WideArray
     stages: int
     events: list[Turned] = field(default_factory=list)
     row: int = 0
+    ends_at: Wide | None = None
 
     def fill(self, states: WideArray) -> None:
         """Fill in the states (k, 3) at the next instants."""
@@ -115,7 +119,7 @@ def centre_of(grip: Grip) -> WideArray:
 def turning(grip: Grip, start: Real, times: Array, last: Real, stages: int) -> Turning:
     """Return the motion of a body that begins to turn at a time (s), at ascending times (n,) from then on, until `last` (s).
 
-    stages: the number of nodes of a step. Raises `NotModelled` if the contacts slip, and `OutOfReach` for too many steps.
+    stages: the number of nodes of a step. The motion is known until the contacts slip. Raises `OutOfReach` for too many steps.
     """
     whole = Turning(times.astype(Wide), np.zeros((len(times), 3), Wide), stages)
     state = np.array([Wide(0), Wide(0), wide(start)])
@@ -124,7 +128,7 @@ def turning(grip: Grip, start: Real, times: Array, last: Real, stages: int) -> T
         if begins is not None:
             whole.events.append(Turned("turn", begins, state[ANGLE]))
         state = _moving(grip, whole, state, wide(last))
-        if not state[T] < wide(last):
+        if whole.ends_at is not None or not state[T] < wide(last):
             return whole
         now = exactly(state[T])
         begins = _yields(grip, state, now, last)
@@ -166,7 +170,7 @@ def _moving(grip: Grip, whole: Turning, state: WideArray, last: Wide) -> WideArr
         press = piece_at(grip.press, now).from_time(now)
         body = Pendulum(mass, moment, gravity, torsional, centre_of(grip), press, state[T], sense)
         state, rests = _swung(body, grip, whole, state, until)
-        if rests:
+        if rests or whole.ends_at is not None:
             break
     return state
 
@@ -184,17 +188,23 @@ def _swung(body: Pendulum, grip: Grip, whole: Turning, state: WideArray, until: 
         if rests:
             stop = _located(step, grid[back[0]], grid[back[0] + 1], lambda row: body.sense * row[W] < 0)
             end, inside = origin + stop, inside[: back[0] + 1]
-        slips = body.forces(inside) > 2 * wide(grip.friction) * body.pressed(inside[:, T])
-        if slips.any():
-            late = float(inside[int(np.argmax(slips)), T])
-            raise NotModelled(f"a body that turns between fingers and slips too, at t = {late:.6g} s")
+        slips = np.flatnonzero(_slips(body, grip, inside))
+        if len(slips):
+            first = int(slips[0])
+            places = grid[max(first - 1, 0)], grid[first]
+            end = whole.ends_at = origin + _located(step, *places, lambda row: bool(_slips(body, grip, row[None])[0]))
         filled = int(np.searchsorted(whole.times, end, side="right"))
         whole.fill(step.at(whole.times[whole.row : filled] - origin))
-        if rests or end >= until:
+        if rests or end >= until or whole.ends_at is not None:
             state = step.at(np.array([end - origin]))[0]
             state[T], state[W] = end, 0 if rests else state[W]
             return state, rests
     raise AssertionError  # `steps` is endless
+
+
+def _slips(body: Pendulum, grip: Grip, states: WideArray) -> WideArray:
+    """Return whether the contacts slip in states (n, 3)."""
+    return np.asarray(body.forces(states) > 2 * wide(grip.friction) * body.pressed(states[:, T]))
 
 
 def _located(step: Step, low: Wide, high: Wide, after: Callable[[WideArray], bool]) -> Wide:

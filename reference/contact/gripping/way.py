@@ -4,6 +4,8 @@ All decisions, instants of events and motions are computed with a hundred digits
 given instants are evaluated in the widest type of NumPy.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from bodycheck.reference.bodies import initial
@@ -12,15 +14,15 @@ from bodycheck.reference.contact.gripping.course import Change, Phase, course
 from bodycheck.reference.contact.gripping.grip import Grip, grip_of
 from bodycheck.reference.contact.gripping.turning import ANGLE, Turning, W, centre_of, turned_by, turning
 from bodycheck.reference.contact.gripping.waves import values
-from bodycheck.reference.contact.motion import ContactMotion, Event
+from bodycheck.reference.contact.motion import ContactMotion, Event, known_at
 from bodycheck.reference.errors import OutOfReach
-from bodycheck.reference.exact.numbers import MP, Vector3, Wide, wide
+from bodycheck.reference.exact.numbers import MP, Vector3, Wide, exactly, wide
 from bodycheck.reference.exact.rotations import plus, scaled
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import vector_of
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import WideArray
+from bodycheck.reference.witness import END, Instant, WideArray
 
 #: The number of roundings of a state in a phase, relative to the size of its terms.
 ROUNDINGS = 32 * float(np.finfo(Wide).eps)
@@ -40,7 +42,7 @@ REASON = "a free body between two fingers that press it with equal forces, under
 def motion(scene: Mechanism, times: Array) -> ContactMotion:
     """The motion of a scene in which bodies on joints touch others, at ascending times (n,) >= 0 (s).
 
-    Raises `NotModelled` as `grip_of` and `course` do.
+    Raises `NotModelled` as `grip_of` and `course` do, and `OutOfReach` as `turning` does.
     """
     grip = grip_of(scene)
     last = float(times.max(initial=0.0))
@@ -54,6 +56,7 @@ def motion(scene: Mechanism, times: Array) -> ContactMotion:
     velocity = np.where(carried[:, None], fast[1], fast[0])[:, :, None] * along
     quaternion, spin = np.repeat(start.quaternion.astype(Wide), n, axis=1), np.zeros((count, n, 3), Wide)
     errors, events = _bounds(grip, sizes, times), [_event(grip, change) for change in whole.changes]
+    ends_at, late = whole.ends_at, 0.0
     if whole.turns_at is not None:
         later = slice(int(np.searchsorted(times, float(whole.turns_at), side="right")), None)
         turned, other = (turning(grip, whole.turns_at, times[later], MP.mpf(last), stages) for stages in STAGES)
@@ -63,11 +66,18 @@ def motion(scene: Mechanism, times: Array) -> ContactMotion:
         for name, rows in _added(grip, turned, other).items():
             errors[name][later] += rows
         events += _turned_events(grip, turned, other)
-    return ContactMotion(
+        if turned.ends_at is not None and other.ends_at is not None:
+            ends_at, late = exactly(turned.ends_at), SAFETY * abs(float(turned.ends_at - other.ends_at))
+    motion = ContactMotion(
         *(position, velocity, quaternion, spin, errors, tuple(events)),
         MODEL if whole.turns_at is None else INTEGRATED,
         REASON,
     )
+    if ends_at is None:
+        return motion
+    until = float(ends_at)
+    ended = Instant(END, until, late + _time_error(grip, until), grip.body)
+    return replace(known_at(motion, times <= until), end=ended)
 
 
 def _states(grip: Grip, turned: Turning, attitude: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
@@ -103,7 +113,7 @@ def _turned_events(grip: Grip, turned: Turning, other: Turning) -> list[Event]:
     events = []
     for event, again in zip(turned.events, other.events, strict=True):
         position = vector_of(start + (turned_by(centre, np.array([event.angle]))[0] - centre) @ plane)
-        error = SAFETY * abs(float(event.time - again.time)) + ROUNDINGS * float(event.time) * (1 + 1e12 * float(grip.missed))
+        error = SAFETY * abs(float(event.time - again.time)) + _time_error(grip, float(event.time))
         events.append(Event(event.kind, float(event.time), error, grip.body, position, REST, REST))
     return [event for event in events if event.time > 0]
 
@@ -144,9 +154,14 @@ def _bounds(grip: Grip, sizes: Array, times: Array) -> dict[str, Array]:
 
 def _event(grip: Grip, change: Change) -> Event:
     position = plus(grip.centres[grip.body], scaled(change.place, grip.along))
-    error = ROUNDINGS * float(change.time) * (1 + 1e12 * float(grip.missed))
+    error = _time_error(grip, float(change.time))
     velocity = vector_of(scaled(change.speed, grip.along))
     return Event(change.kind, float(change.time), error, grip.body, vector_of(position), velocity, (0.0, 0.0, 0.0))
+
+
+def _time_error(grip: Grip, time: float) -> float:
+    """The bound (s) of the error of a time (s) by rounding, and by the decimals with which the file misses directions."""
+    return ROUNDINGS * time * (1 + 1e12 * float(grip.missed))
 
 
 def _vectors(vectors: list[Vector3] | tuple[Vector3, ...]) -> WideArray:

@@ -21,7 +21,7 @@ from bodycheck.reference.independent.border import MP, attitude, made_of
 from bodycheck.reference.independent.directions import exact_quaternion
 from bodycheck.reference.mechanisms.control import Signal
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, shape_of
-from bodycheck.reference.scene import Sphere, Tensor
+from bodycheck.reference.scene import Brick, Sphere, Tensor
 
 #: The size of a length, relative to others, that is the rounding of the decimals of a file.
 DECIMALS = MP.mpf(10) ** -12
@@ -50,6 +50,8 @@ class Clasp:
         The coefficients, the second in m, and whether they share one limit.
     lever, rise
         The distances (m) of the centre of mass from the line of the contacts, across and along the line of the motion.
+    reach
+        The ways (m) along the line, against and with it, until the body slips out of a finger.
     speed, carried
         The speeds (m/s) of body and carriage at the start.
     centres, attitudes
@@ -71,6 +73,7 @@ class Clasp:
     one: bool
     lever: Real
     rise: Real
+    reach: tuple[Real, Real]
     speed: Real
     carried: Real
     centres: tuple[Vector, ...]
@@ -151,9 +154,51 @@ def clasp_of(scene: Mechanism) -> Clasp:
         ),
         *(MP.mpf(law.friction), MP.mpf(law.torsional_friction), law.cone == "one" and law.torsional_friction > 0),
         *(lever if abs(lever) > DECIMALS * size else MP.mpf(0), rise),
+        _reach(scene, frames, centres, (index, fingers[0]), normal, along),
         *(dot(velocity, along), carried, tuple(centres)),
         tuple(exact_quaternion([list(row) for row in frames[each][0]]) for each in range(len(scene.bodies))),
     )
+
+
+def _reach(
+    scene: Mechanism,
+    frames: dict[int, tuple[Matrix, Vector]],
+    centres: list[Vector],
+    pair: tuple[int, int],
+    normal: Vector,
+    along: Vector,
+) -> tuple[Real, Real]:
+    """The ways (m) until a point on the edge of a rectangle passes another body, against the line of the motion and with it.
+
+    A finger and the body touch while a rectangle contains a point, or two rectangles overlap. pair: the body and a finger.
+    """
+    body, finger = pair
+    shapes = [shape_of(scene.bodies[each]) for each in pair]
+    apart = minus(centres[finger], centres[body])
+    apart = minus(apart, scaled(normal, dot(apart, normal)))
+    ways = [MP.inf, MP.inf]
+    bricks = [each for each, shape in zip(pair, shapes, strict=True) if isinstance(shape, Brick)]
+    if not bricks:
+        return MP.mpf(0), MP.mpf(0)
+    for column in range(3):
+        axis = [row[column] for row in frames[bricks[0]][0]]
+        if abs(dot(axis, normal)) > MP.mpf(1) / 2 or abs(dot(axis, along)) < DECIMALS:
+            continue
+        half = sum((_half_along(scene, frames, brick, axis) for brick in bricks), MP.mpf(0))
+        there, rate = dot(apart, axis), dot(axis, along)
+        for place, side in enumerate((-1, 1)):
+            # the body moves by s along the line, and the finger from it by -s
+            toward = side if rate > 0 else -side
+            ways[place] = min(ways[place], (half + toward * there) / abs(rate))
+    return ways[0], ways[1]
+
+
+def _half_along(scene: Mechanism, frames: dict[int, tuple[Matrix, Vector]], brick: int, axis: Vector) -> Real:
+    """Half the length (m) of a brick along one of its axes."""
+    shape = shape_of(scene.bodies[brick])
+    assert isinstance(shape, Brick)
+    cosines = [abs(dot([row[column] for row in frames[brick][0]], axis)) for column in range(3)]
+    return MP.mpf(shape.semi_axes[cosines.index(max(cosines))])
 
 
 def _centre(scene: Mechanism, index: int) -> Vector:

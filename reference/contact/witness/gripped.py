@@ -28,13 +28,13 @@ from bodycheck.reference.contact.witness.forces import (
 )
 from bodycheck.reference.contact.witness.pieces import Piece
 from bodycheck.reference.contact.witness.swinging import swung
-from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.independent.arithmetic import Real, Wide
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.mechanisms.control import Samples, Sine
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import Instant, Witness
+from bodycheck.reference.witness import END, Instant, Witness
 
 #: The name of the way in results.
 NAME = "power series of a gripped body (mpmath)"
@@ -131,9 +131,11 @@ def _followed(
         step = min([*left, ANGLE / fastest]) if fastest else min(left)
         forces = _forces(clasp, now.time)
         sign = int(MP.sign(now.slip)) if abs(now.slip) > ROUNDED else _starts(forces)
+        if (opened := falls(forces.press, step)) is not None and opened <= ROUNDED:
+            return parts, [*events, _ended(clasp, now.time)], None
+        if sign and (not any(clasp.reach) or (clasp.turning and (clasp.one or clasp.light))):
+            return parts, [*events, _ended(clasp, now.time)], None
         if sign and clasp.turning:
-            if clasp.one or clasp.light:
-                raise NotModelled("a body that turns between fingers and slips, or on a carriage")
             for part in parts:
                 part.append((now.time, constant(0)))
             return parts, events, now.time
@@ -144,14 +146,30 @@ def _followed(
         ways = [integral(integral(rate, at[1]), at[0]) for rate, at in zip(rates, (now.body, now.carriage), strict=True)]
         for part, way in zip(parts, ways, strict=True):
             part.append((now.time, way))
-        tests = [times(rate_of(plus(ways[0], times(ways[1], -1))), sign)] if sign else _margins(forces)
+        slid = plus(ways[0], times(ways[1], -1))
+        tests = [times(rate_of(slid), sign)] if sign else _margins(forces)
+        known = [falls(each, step) for each in (*(_left(clasp, slid) if sign else ()), forces.press)]
         ends = [end for end in (falls(test, step) for test in tests) if end is not None]
+        over = min((end for end in known if end is not None), default=MP.inf)
+        if over < min(ends, default=MP.inf):
+            return parts, [*events, _ended(clasp, now.time + over)], None
         lasting = min(ends, default=step)
         body, carriage = ((value(way, lasting), value(rate_of(way), lasting)) for way in ways)
         now = _Line(now.time + lasting, body if sign and not ends else (body[0], carriage[1]), carriage)
         if now.time >= last:
             return parts, events, None
     raise OutOfReach(f"a gripped body with more than {MOST_STEPS} steps")
+
+
+def _left(clasp: Clasp, slid: Series) -> list[Series]:
+    """The ways (m) that are left until the body slips out of its fingers, from the way along them."""
+    both = zip((-1, 1), clasp.reach, strict=True)
+    return [plus(constant(way), times(slid, -side)) for side, way in both if not MP.isinf(way)]
+
+
+def _ended(clasp: Clasp, time: Real) -> Instant:
+    """The instant from which on the motion is not known."""
+    return Instant(END, float(time), EPS * float(time), clasp.body)
 
 
 def _forces(clasp: Clasp, time: Real) -> _Forces:

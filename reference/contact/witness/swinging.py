@@ -26,13 +26,16 @@ from bodycheck.reference.contact.witness.forces import (
     value,
 )
 from bodycheck.reference.contact.witness.pieces import Piece
-from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.independent.arithmetic import Real, Wide, cross
 from bodycheck.reference.independent.border import MP
-from bodycheck.reference.witness import Instant
+from bodycheck.reference.witness import END, Instant
 
 #: The angle (rad) by which a body turns at most in a step, and by which one at rest would fall in it.
 ANGLE = MP.mpf(1) / 5
+
+#: The halvings that locate where contacts slip.
+HALVINGS = 70
 
 #: The largest number of steps of a motion.
 MOST_STEPS = 5000
@@ -51,7 +54,7 @@ class _Swing:
 def swung(clasp: Clasp, start: Real, last: Real, edges: list[Real]) -> tuple[list[Piece], list[Instant]]:
     """Return the pieces and the events of a body that begins to turn at a time (s), until another.
 
-    edges: the times (s) at which the press changes its formula. Raises `NotModelled` where the contacts slip.
+    edges: the times (s) at which the press changes its formula. The motion ends where the contacts slip.
     """
     now = _Swing(start, MP.mpf(0), MP.mpf(0), 0)
     parts: list[Piece] = []
@@ -74,8 +77,13 @@ def swung(clasp: Clasp, start: Real, last: Real, edges: list[Real]) -> tuple[lis
         margins = _margins(clasp, now, press, friction, falling)
         ends = [falls(times(rate, sense), step)] if sense else [falls(margin, step) for margin in margins]
         lasting = min((end for end in ends if end is not None), default=step)
-        if sense:
-            _grips(clasp, press, rate, value(angle, lasting), lasting)
+        if sense and _slips(clasp, press, rate, angle, lasting):
+            low, high = MP.mpf(0), lasting
+            for _ in range(HALVINGS):
+                middle = (low + high) / 2
+                low, high = (low, middle) if _slips(clasp, press, rate, angle, middle) else (middle, high)
+            until = float(now.time + high)
+            return parts, [*events, Instant(END, until, 4 * EPS * until, clasp.body)]
         stopped = lasting < step or not sense
         now = _Swing(
             now.time + lasting, value(angle, lasting), MP.mpf(0) if stopped else value(rate, lasting), 0 if stopped else sense
@@ -105,13 +113,12 @@ def _begins(clasp: Clasp, now: _Swing, press: Series, friction: Series, falling:
     return -int(MP.sign(falling * _arm(clasp, now.angle)[1])) if first < 0 else 0
 
 
-def _grips(clasp: Clasp, press: Series, rate: Series, angle: Real, time: Real) -> None:
-    """Raise `NotModelled` if the contacts slip at the end of a step."""
-    along, across = _arm(clasp, angle)
+def _slips(clasp: Clasp, press: Series, rate: Series, angle: Series, time: Real) -> bool:
+    """Return whether the contacts slip at a time (s) since the start of a step."""
+    along, across = _arm(clasp, value(angle, time))
     w, faster = value(rate, time), value(rate_of(rate), time)
     force = MP.hypot(-faster * across - w * w * along - clasp.gravity, faster * along - w * w * across)
-    if clasp.mass * force > 2 * clasp.friction * value(press, time):
-        raise NotModelled("a body that turns between fingers and slips too")
+    return bool(clasp.mass * force > 2 * clasp.friction * value(press, time))
 
 
 def _series(clasp: Clasp, now: _Swing, braking: Series, falling: Real) -> tuple[Series, Series, Series]:
