@@ -44,7 +44,7 @@ ROUNDED, SAME = Decimal("1e-40"), Decimal("1e-44")
 
 @dataclass(frozen=True)
 class Held:
-    """What the judge reads of a case file: directions, masses, arms and laws, as the names say."""
+    """The numbers that the judge reads in a case file: directions, masses, arms and laws, as the names say."""
 
     normal: Vector
     along: Vector
@@ -75,7 +75,7 @@ class Held:
 
     @property
     def turns(self) -> bool:
-        """Whether the body turns when it is no longer held."""
+        """True if the body turns when it is no longer held."""
         return bool(self.friction) and self.torsional < self.friction * abs(self.arm[1])
 
 

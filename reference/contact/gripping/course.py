@@ -43,11 +43,11 @@ class Phase:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """An event: its kind, its time (s), the place of the body along d (m) and its speed (m/s)."""
+    """An event: its kind, its time (s), the position of the body along d (m) and its speed (m/s)."""
 
     kind: EventKind
     time: Real
-    place: Real
+    position: Real
     speed: Real
 
 
@@ -153,7 +153,7 @@ def _load(grip: Grip, forces: _Forces) -> Wave:
 
 
 def _margins(grip: Grip, forces: _Forces) -> tuple[Wave, Wave]:
-    """How much more (N) the contacts of a body that is held bear, against its load along d and opposite to d."""
+    """The excess (N) of what the contacts of a held body bear over its load, along d and opposite to d."""
     bearing, load = forces.press.times(grip.bearing), _load(grip, forces)
     return bearing.plus(load.times(MP.mpf(-1))), bearing.plus(load)
 
@@ -179,7 +179,7 @@ def _phase(grip: Grip, now: _Now, forces: _Forces, slips: int) -> Phase:
     else:
         carriage = constant(MP.zero) if standing else forces.effort.times(1 / (grip.mass + grip.borne)).plus(gravity)
         body = carriage
-    moved = [rate.summed(speed).summed(place) for rate, (place, speed) in ((body, now.body), (carriage, now.carriage))]
+    moved = [rate.summed(speed).summed(position) for rate, (position, speed) in ((body, now.body), (carriage, now.carriage))]
     return Phase(now.time, moved[0], moved[1], slips)
 
 

@@ -271,18 +271,18 @@ def _places(scene: Mechanism, fingers: tuple[Joint, Joint], carriage: Joint | No
     return places
 
 
-def _solid(scene: Mechanism, index: int, place: Place) -> Solid:
+def _solid(scene: Mechanism, index: int, pose: Place) -> Solid:
     body = scene.bodies[index]
     shape = shape_of(body)
     if not isinstance(shape, Sphere | Brick):
         raise NotModelled("fingers and gripped bodies of other shapes than spheres and bricks")
-    x, y, z = zip(*matrix(place.turn), strict=True)
-    return Solid(place.point(exact.inertia(body).centre), (x, y, z), shape)
+    x, y, z = zip(*matrix(pose.turn), strict=True)
+    return Solid(pose.point(exact.inertia(body).centre), (x, y, z), shape)
 
 
-def _axis(place: Place, joint: Joint) -> Vector3:
-    """Return the unit axis of a prismatic joint, whose child has a place, world frame."""
-    return minus(place.point(exact.unit_axis(joint)), place.origin)
+def _axis(pose: Place, joint: Joint) -> Vector3:
+    """Return the unit axis of a prismatic joint, whose child has a pose, world frame."""
+    return minus(pose.point(exact.unit_axis(joint)), pose.origin)
 
 
 def _unit(v: Vector3) -> Vector3 | None:
@@ -302,12 +302,12 @@ def _contact(finger: Solid, held: Solid, normal: Vector3, sign: int, misses: _Mi
     apart = minus(held.centre, finger.centre)
     misses.zero(sign * dot(apart, normal) / length - 1, "fingers that do not touch the body at the start")
     aside = minus(apart, scaled(dot(apart, normal), normal))
-    place = held.centre
+    point = held.centre
     if isinstance(finger.shape, Sphere) and isinstance(held.shape, Sphere):
         misses.zero(size(aside) / length, "spheres that grip a sphere from places that are not opposite")
     elif isinstance(finger.shape, Sphere):
-        place = minus(held.centre, aside)
-    return minus(place, scaled(sign * halves[1][0], normal))
+        point = minus(held.centre, aside)
+    return minus(point, scaled(sign * halves[1][0], normal))
 
 
 def _reach(finger: Solid, held: Solid, point: Vector3, frame: tuple[Vector3, Vector3, Vector3]) -> tuple[Real, Real]:
@@ -354,10 +354,10 @@ def _moment(tensor: tuple[Real, ...], axes: tuple[Vector3, Vector3, Vector3], no
 
 def _force(scene: Mechanism, joint: Joint) -> Pieces:
     """Return the effort of a joint and its controller along its axis (N)."""
-    own: Pieces = ((MP.zero, constant(MP.mpf(joint.effort))),)
+    steady: Pieces = ((MP.zero, constant(MP.mpf(joint.effort))),)
     index = scene.joints.index(joint)
     driving = next((controller for controller in scene.controllers if controller.joint == index), None)
-    return own if driving is None else added(own, pieces_of(driving.effort), MP.one)
+    return steady if driving is None else added(steady, pieces_of(driving.effort), MP.one)
 
 
 def _press(scene: Mechanism, fingers: tuple[Joint, Joint], axes: list[Vector3], normal: Vector3) -> Pieces:

@@ -158,16 +158,16 @@ def first_negative(function: Wave, until: Real) -> Real | None:
 
 def _changed(function: Wave, low: Real, high: Real) -> Real:
     """Return the place between two others from which on a function, which falls monotonically there, is negative."""
-    slope, place = function.rate(), low
+    slope, root = function.rate(), low
     for _ in range(MOST_HALVINGS):
-        value, steep = function.at(place), slope.at(place)
-        low, high = (low, place) if value < 0 else (place, high)
-        newton = place - value / steep if steep < 0 else low
+        value, steep = function.at(root), slope.at(root)
+        low, high = (low, root) if value < 0 else (root, high)
+        newton = root - value / steep if steep < 0 else low
         inside = low < newton < high
         moved = newton if inside else (low + high) / 2
-        if abs(moved - place) <= NEGLIGIBLE * high:
+        if abs(moved - root) <= NEGLIGIBLE * high:
             break
-        place = moved
+        root = moved
     return moved
 
 

@@ -60,8 +60,8 @@ def motion(scene: Mechanism, times: Array) -> ContactMotion:
     if whole.turns_at is not None:
         later = slice(int(np.searchsorted(times, float(whole.turns_at), side="right")), None)
         turned, other = (turning(grip, whole.turns_at, times[later], MP.mpf(last), stages) for stages in STAGES)
-        attitude, own = quaternion[grip.body, later], (position, velocity, quaternion, spin)
-        for values_of_all, rows in zip(own, _states(grip, turned, attitude), strict=True):
+        attitude, arrays = quaternion[grip.body, later], (position, velocity, quaternion, spin)
+        for values_of_all, rows in zip(arrays, _states(grip, turned, attitude), strict=True):
             values_of_all[grip.body, later] = rows
         for name, rows in _added(grip, turned, other).items():
             errors[name][later] += rows
@@ -153,7 +153,7 @@ def _bounds(grip: Grip, sizes: Array, times: Array) -> dict[str, Array]:
 
 
 def _event(grip: Grip, change: Change) -> Event:
-    position = plus(grip.centres[grip.body], scaled(change.place, grip.along))
+    position = plus(grip.centres[grip.body], scaled(change.position, grip.along))
     error = _time_error(grip, float(change.time))
     velocity = vector_of(scaled(change.speed, grip.along))
     return Event(change.kind, float(change.time), error, grip.body, vector_of(position), velocity, (0.0, 0.0, 0.0))

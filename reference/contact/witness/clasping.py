@@ -130,10 +130,7 @@ def clasp_of(scene: Mechanism) -> Clasp:
     press = _signals(scene, joints[fingers[0]])
     if len(press) > 1:
         raise NotModelled("a finger with two efforts")
-    away: Vector = [MP.mpf(0)] * 3
-    if isinstance(shape_of(scene.bodies[fingers[0]]), Sphere):
-        away = minus(centres[index], centres[fingers[0]])
-    away = minus(away, scaled(pressing, dot(away, pressing)))
+    away = _away(scene, centres, (index, fingers[0]), pressing)
     normal = scaled(pressing, sign)
     lever, rise = dot(away, cross(normal, along)), dot(away, along)
     across_body = [dot([row[column] for row in frames[index][0]], normal) for column in range(3)]
@@ -158,6 +155,18 @@ def clasp_of(scene: Mechanism) -> Clasp:
         *(dot(velocity, along), carried, tuple(centres)),
         tuple(exact_quaternion([list(row) for row in frames[each][0]]) for each in range(len(scene.bodies))),
     )
+
+
+def _away(scene: Mechanism, centres: list[Vector], pair: tuple[int, int], pressing: Vector) -> Vector:
+    """The way (m) from the contact with a finger to the centre of the body, across the direction of pressing.
+
+    A finger with faces presses beside the centre. pair: the body and the finger.
+    """
+    body, finger = pair
+    if not isinstance(shape_of(scene.bodies[finger]), Sphere):
+        return [MP.mpf(0)] * 3
+    away = minus(centres[body], centres[finger])
+    return minus(away, scaled(pressing, dot(away, pressing)))
 
 
 def _reach(
@@ -186,10 +195,10 @@ def _reach(
             continue
         half = sum((_half_along(scene, frames, brick, axis) for brick in bricks), MP.mpf(0))
         there, rate = dot(apart, axis), dot(axis, along)
-        for place, side in enumerate((-1, 1)):
+        for number, side in enumerate((-1, 1)):
             # the body moves by s along the line, and the finger from it by -s
             toward = side if rate > 0 else -side
-            ways[place] = min(ways[place], (half + toward * there) / abs(rate))
+            ways[number] = min(ways[number], (half + toward * there) / abs(rate))
     return ways[0], ways[1]
 
 
@@ -223,8 +232,8 @@ def _frames(scene: Mechanism) -> dict[int, tuple[Matrix, Vector]]:
                 turned = product(rows, attitude(joint.attitude))
                 axis = [MP.mpf(each) for each in joint.axis]
                 slid = scaled(axis, MP.mpf(joint.start[0]) / norm(axis))
-                place = plus(origin, applied(rows, [MP.mpf(each) for each in joint.position]), applied(turned, slid))
-                frames[joint.child] = turned, place
+                start = plus(origin, applied(rows, [MP.mpf(each) for each in joint.position]), applied(turned, slid))
+                frames[joint.child] = turned, start
     return frames
 
 
@@ -237,5 +246,5 @@ def _direction(frames: dict[int, tuple[Matrix, Vector]], child: int, axis: tuple
 def _signals(scene: Mechanism, joint: int) -> tuple[Signal, ...]:
     """The efforts of a joint and of its controller."""
     driving = [controller.effort for controller in scene.controllers if controller.joint == joint]
-    own = scene.joints[joint].effort
-    return (own, *driving) if own or not driving else tuple(driving)
+    steady = scene.joints[joint].effort
+    return (steady, *driving) if steady or not driving else tuple(driving)

@@ -54,11 +54,11 @@ def _crossed(series: Series, low: Real, high: Real, *, rising: bool) -> Real:
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if (value(series, middle) < 0) == rising else (low, middle)
-    rate, place = rate_of(series), high
+    rate, root = rate_of(series), high
     for _ in range(NEWTON_STEPS):
-        steep = value(rate, place)
-        place -= value(series, place) / steep if steep else MP.mpf(0)
-    return place if low <= place <= high else high
+        steep = value(rate, root)
+        root -= value(series, root) / steep if steep else MP.mpf(0)
+    return root if low <= root <= high else high
 
 
 def series_of(signal: Signal, time: Real) -> Series:

@@ -100,7 +100,7 @@ def _arm(clasp: Clasp, angle: Real) -> tuple[Real, Real]:
 
 
 def _margins(clasp: Clasp, now: _Swing, press: Series, friction: Series, falling: Real) -> tuple[Series, Series]:
-    """How much more the torsional friction holds than the weight needs (rad/s^2), and the friction (N), at rest."""
+    """The excess of the torsional friction over what the weight needs at rest (rad/s^2), and that of the friction (N)."""
     weight = abs(falling * _arm(clasp, now.angle)[1])
     bears = plus(times(press, 2 * clasp.friction), constant(-clasp.mass * abs(clasp.gravity)))
     return plus(friction, constant(-weight)), bears
