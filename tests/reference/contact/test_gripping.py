@@ -21,6 +21,8 @@ from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.mechanisms.control import Controller, Samples, Sine
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
 from bodycheck.reference.scene import Brick, Solid, Tensor
+from bodycheck.reference.sensors.sensor import Sensor
+from bodycheck.reference.sensors.truth import sensor_truth
 from bodycheck.reference.truth import computed, truth
 from bodycheck.reference.truths import Truth
 from bodycheck.reference.witness import END, as_way, contradictions, event_distances
@@ -269,6 +271,12 @@ def test_the_judge_finds_separate_limits_in_the_place_of_one_cone(monkeypatch: p
         patch.setattr(way, "grip_of", lambda scene: replace(right(scene), one=False))
         assert judged(gripping_scenes.judge, ONE_CONE, 1, tmp_path)[0].broken
     assert "share one limit" in judged(gripping_scenes.judge, ONE_CONE, 1, tmp_path)[0].refused
+
+
+def test_sensors_of_a_gripped_body_have_no_truth() -> None:
+    sensor = Sensor("felt", "accelerometer", 0)
+    (told,) = sensor_truth(truth(SHAKEN, TIMES), [sensor])
+    assert told.reason
 
 
 @pytest.mark.parametrize("case", sorted(Path("cases/contact").glob("gripped-*.case.toml")), ids=lambda path: path.stem)
