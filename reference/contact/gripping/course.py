@@ -6,6 +6,7 @@ held while |f| is at most the bearing of the contacts. Slipping along sigma, f =
 the time and sines, and so are all motions within a phase.
 """
 
+import bisect
 from dataclasses import dataclass, replace
 
 from bodycheck.reference.contact.gripping.grip import Grip
@@ -17,8 +18,8 @@ from bodycheck.reference.exact.numbers import MP, Real
 #: The time, relative to the length of a piece of the forces, within which a body that is not held at once begins to slip.
 AT_ONCE = MP.mpf(10) ** -30
 
-#: The largest number of phases of a motion.
-MOST_PHASES = 20_000
+#: The largest number of phases of a motion, and the largest angle (rad) by which a sine advances, which take a minute.
+MOST_PHASES, MOST_ANGLE = 20_000, 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,9 +95,13 @@ def course(grip: Grip, last: Real) -> Course:
     whole = Course([], [])
     now = _Now(MP.zero, (MP.zero, grip.speed), (MP.zero, grip.carried))
     edges = breaks((grip.press, grip.effort), last)
+    fastest = max((abs(w) for pieces in (grip.press, grip.effort) for _, wave in pieces for _, w, _ in wave.sines), default=0)
+    if fastest * last > MOST_ANGLE:
+        raise OutOfReach(f"a force on fingers with more than {MOST_ANGLE / 6.28:.0f} periods")
     held = not now.slips
     for _ in range(MOST_PHASES):
-        until = min([edge for edge in edges if edge > now.time], default=last) - now.time
+        following = bisect.bisect_right(edges, now.time)
+        until = (edges[following] if following < len(edges) else last) - now.time
         forces = _Forces(*(piece_at(pieces, now.time).from_time(now.time) for pieces in (grip.press, grip.effort)))
         opens = first_negative(forces.press, until)
         if opens is not None and opens <= AT_ONCE * until:

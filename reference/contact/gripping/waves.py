@@ -1,5 +1,6 @@
 """Functions of time with a hundred digits: polynomials plus sines, and the first instant at which one becomes negative."""
 
+import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -125,7 +126,7 @@ def added(one: Pieces, other: Pieces, factor: Real) -> Pieces:
 
 def piece_at(pieces: Pieces, time: Real) -> Wave:
     """Return the piece that counts from a time (s) on."""
-    return [function for start, function in pieces if start <= time][-1]
+    return pieces[bisect.bisect_right(pieces, time, key=lambda piece: piece[0]) - 1][1]
 
 
 def first_negative(function: Wave, until: Real) -> Real | None:

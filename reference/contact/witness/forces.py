@@ -1,7 +1,8 @@
 """Power series of forces and motions in a step, and where they change their sign."""
 
+import bisect
 import itertools
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 from bodycheck.reference.independent.arithmetic import Real
 from bodycheck.reference.independent.border import MP
@@ -74,16 +75,13 @@ def series_of(signal: Signal, time: Real) -> Series:
             terms[0] += MP.mpf(signal.offset)
             return terms
         case Samples():
-            moments = [MP.mpf(each) for each in signal.times]
-            past = [index for index, moment in enumerate(moments) if moment <= time]
-            if not past:
-                return constant(signal.values[0])
-            index = past[-1]
-            here = MP.mpf(signal.values[index])
-            if signal.between == "hold" or index + 1 == len(moments):
+            index = bisect.bisect_right(signal.times, time) - 1
+            here = MP.mpf(signal.values[max(index, 0)])
+            if index < 0 or signal.between == "hold" or index + 1 == len(signal.times):
                 return constant(here)
-            slope = (MP.mpf(signal.values[index + 1]) - here) / (moments[index + 1] - moments[index])
-            return [here + slope * (time - moments[index]), slope, *[MP.mpf(0)] * (TERMS - 1)]
+            begin, end = (MP.mpf(each) for each in signal.times[index : index + 2])
+            slope = (MP.mpf(signal.values[index + 1]) - here) / (end - begin)
+            return [here + slope * (time - begin), slope, *[MP.mpf(0)] * (TERMS - 1)]
         case _:
             return constant(signal)
 
@@ -121,6 +119,6 @@ def value(series: Series, time: Real) -> Real:
     return total
 
 
-def breaks(edges: Iterable[Real], time: Real) -> list[Real]:
-    """The times (s) from a time until each of the later ones."""
-    return [edge - time for edge in edges if edge > time]
+def breaks(edges: Sequence[Real], time: Real) -> list[Real]:
+    """The time (s) from a time until the next of some ascending ones; empty if there is none."""
+    return [edge - time for edge in edges[bisect.bisect_right(edges, time) :][:1]]
