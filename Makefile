@@ -58,7 +58,7 @@ lowest: $(VENV)/.installed
 
 # Numbers of attacks and their first seed, such as FILES=1000, are in CONTRIBUTING.md. A process that is done takes over
 # tests of another, as some take much longer than most.
-export FILES RUNS FOLDERS KILLS MECHANISMS TREES DRIVEN SENSORS CONTACTS IMPACTS SEED
+export FILES RUNS FOLDERS KILLS MECHANISMS TREES DRIVEN SENSORS CONTACTS IMPACTS GRIPS SEED
 slow: $(VENV)/.installed-for-development
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 

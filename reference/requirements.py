@@ -108,7 +108,8 @@ class MechanismRequirements:
         The names of the effects: "mechanisms", "gravity", the `effect` of the type of each joint, "armature", "joint damping",
         "joint springs", "joint friction", "joint efforts", "mimic joints", "controllers", "rigid stops", "elastic stops",
         "stops that cease to act", "loops", "point masses" where a body with a mass has a moment of zero, "massless bodies",
-        "contacts" where bodies touch, "contacts without a plane", "rolling friction", "torsional friction", and "pushes".
+        "contacts" where bodies touch, "contacts without a plane", "contacts of bodies on joints", "rolling friction",
+        "torsional friction", and "pushes".
     degrees_of_freedom
         Number of velocities of its joints and free bodies without those of joints that follow others. The velocities that loops
         take away are not subtracted.
@@ -179,6 +180,7 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
         "massless bodies": not all(nearest_inertia(body).mass for body in mechanism.bodies),
         "contacts": touches(mechanism),
         "contacts without a plane": touches(mechanism) and mechanism.plane is None,
+        "contacts of bodies on joints": grips(mechanism),
         "rolling friction": any(law.rolling_friction for law in mechanism.contact_laws),
         "torsional friction": any(law.torsional_friction for law in mechanism.contact_laws),
         "pushes": bool(mechanism.pushes),
@@ -219,6 +221,11 @@ def touches(scene: AnyScene) -> bool:
     needed = requirements(scene)
     moments = needed.rolling_friction or needed.torsional_friction
     return needed.incline or needed.rolling or moments or needed.pushes
+
+
+def grips(scene: AnyScene) -> TypeGuard[Mechanism]:
+    """Return whether bodies on joints touch others, as fingers do."""
+    return isinstance(scene, Mechanism) and bool(scene.joints) and bool(scene.contacts)
 
 
 def slides(scene: AnyScene) -> TypeGuard[Scene]:

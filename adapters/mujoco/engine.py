@@ -29,6 +29,7 @@ from bodycheck.adapters.mujoco import (
     bodies,
     contact,
     exporting,
+    gripping,
     mechanism_xml,
     mechanisms,
     options,
@@ -43,7 +44,7 @@ from bodycheck.adapters.mujoco.models import compiled_model
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import touches
+from bodycheck.reference.requirements import grips, touches
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -81,7 +82,17 @@ engine = Engine(
     version=str(mujoco.__version__),
     integrators=integrators(),
     models=frozenset(
-        {"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS, *touching.MODELS}
+        {
+            "gravity",
+            "translation",
+            "rotation",
+            "contact",
+            "friction",
+            "drag",
+            *mechanisms.MODELS,
+            *touching.MODELS,
+            *gripping.MODELS,
+        }
     ),
     variants={
         "drag": tuple(f"{name}:drag=fluid" for name in options.available()),
@@ -143,7 +154,7 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
-    if touches(scenes[0]):
+    if touches(scenes[0]) and not grips(scenes[0]):
         return touching.prepare(scenes[0], method)
     if isinstance(scenes[0], Mechanism):
         return mechanisms.prepare(scenes[0], method)
@@ -182,7 +193,7 @@ def prepare_links(given: Sequence[Link], scene: Scene, method: Method) -> Steppe
 
 def script(scene: AnyScene, method: Method, duration: float, samples: int) -> str:
     """Return a script for MuJoCo alone, as `Scripts.script` does."""
-    if touches(scene):
+    if touches(scene) and not grips(scene):
         return exporting.touching_script(scene, method, duration, samples)
     if isinstance(scene, Mechanism):
         return mechanisms.script(scene, method, duration, samples)

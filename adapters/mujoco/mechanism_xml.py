@@ -115,8 +115,6 @@ def document(
         If an option does not fit the mechanism, if MuJoCo would silently change it, or for a moving body without mass that
         MuJoCo would refuse.
     """
-    from bodycheck.adapters.mujoco.massless import seats  # it imports the exact arithmetic, which only mechanisms need
-
     hinges = chosen.get("model") == "three-hinges"
     check_options(mechanism, timestep, integrator, chosen)
     root = ElementTree.Element("mujoco")
@@ -135,13 +133,23 @@ def document(
     ElementTree.SubElement(ElementTree.SubElement(root, "option", option), "flag", flags)
     friction = {key: chosen[key] for key in ("solreffriction", "solimpfriction") if key in chosen}
     more = {joint.name: limits.get(joint.name, {}) | (friction if joint.friction else {}) for joint in mechanism.joints}
-    elements = {WORLD: ElementTree.SubElement(root, "worldbody")}
-    for index, seat in seats(mechanism, depth_first(mechanism)).items():
-        parent, joint = elements[seat.parent], mechanism.joint_of[index]
-        elements[index] = add_body(parent, mechanism.bodies[index], joint, seat, more, hinges)
+    elements = add_bodies(ElementTree.SubElement(root, "worldbody"), mechanism, more, hinges)
     add_equalities(root, elements, mechanism, {key: chosen[key] for key in ("solref", "solimp") if key in chosen})
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode")
+
+
+def add_bodies(
+    world: ElementTree.Element, mechanism: Mechanism, more: More, hinges: bool = False
+) -> dict[int, ElementTree.Element]:
+    """Add the bodies of a mechanism to the element of the world, and return the elements of all by their indices."""
+    from bodycheck.adapters.mujoco.massless import seats  # it imports the exact arithmetic, which only mechanisms need
+
+    elements = {WORLD: world}
+    for index, seat in seats(mechanism, depth_first(mechanism)).items():
+        parent, joint = elements[seat.parent], mechanism.joint_of[index]
+        elements[index] = add_body(parent, mechanism.bodies[index], joint, seat, more, hinges)
+    return elements
 
 
 def constrained(mechanism: Mechanism) -> bool:

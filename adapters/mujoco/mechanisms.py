@@ -19,7 +19,7 @@ import numpy as np
 from bodycheck.adapters import mechanism_models, scripts
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.mechanisms import frames, starts
-from bodycheck.adapters.mujoco import driving, limits
+from bodycheck.adapters.mujoco import driving, gripping, limits
 from bodycheck.adapters.mujoco.exporting import ADVANCE
 from bodycheck.adapters.mujoco.mechanism_xml import document, names_of_parts
 from bodycheck.adapters.mujoco.models import compiled_model
@@ -27,6 +27,7 @@ from bodycheck.adapters.mujoco.stepping import Stepper
 from bodycheck.adapters.stepping import TakingLaws
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of a mechanism that MuJoCo models. MuJoCo itself refuses a moving body with a moment of zero.
@@ -106,6 +107,8 @@ def prepare(mechanism: Mechanism, method: Method) -> Stepper | TakingLaws:
 
 def described(mechanism: Mechanism, method: Method) -> tuple[Mechanism, str]:
     """Return the mechanism that the model of a method simulates, and its XML. Raises `SceneUnsupported`."""
+    if touches(mechanism):
+        return mechanism, gripping.document(mechanism, method)
     chosen = dict(method.options)
     mechanism_models.check(mechanism, chosen.get("model"))
     if chosen.get("model") == "free-bodies":

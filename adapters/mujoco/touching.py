@@ -1,9 +1,10 @@
 """Step free bodies that touch a plane and each other in MuJoCo, by MuJoCo's own contacts.
 
-Each body has a free joint at its centre of mass and one geom of its shape. The plane is an infinite geom that is rotated about
-y. All geoms have the friction of the scene's plane: MuJoCo uses the larger coefficient of two geoms, which is this coefficient
-for every pair. Pairs with other coefficients are elements `pair`, which replace the contacts that MuJoCo finds itself. A pair
-without friction has contacts of one dimension. The options of the module `contact` apply to all pairs.
+Each body has a free joint at its centre of mass and one geom of its shape; bodies on joints that touch others are in the module
+`gripping`. The plane is an infinite geom that is rotated about y. All geoms have the friction of the scene's plane: MuJoCo uses
+the larger coefficient of two geoms, which is this coefficient for every pair. Pairs with other coefficients are elements
+`pair`, which replace the contacts that MuJoCo finds itself. A pair without friction has contacts of one dimension. The options
+of the module `contact` apply to all pairs.
 
 A pair with rolling friction has contacts of six dimensions, and one with torsional friction alone has contacts of four. Both
 coefficients are lengths, as MuJoCo's are.
@@ -36,7 +37,7 @@ from bodycheck.adapters.mujoco.stepping import Stepper, external_force, refuse_w
 from bodycheck.adapters.touching import Law, Pushed, TouchingBody, laws, switches, touching_bodies
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
-from bodycheck.reference.scene import Push
+from bodycheck.reference.scene import Push, Shape, Vector
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that MuJoCo models, of which restitution is an approximation.
@@ -147,7 +148,18 @@ def torques(data: mujoco.MjData, pushes: Sequence[Push]) -> Force:
 
 
 def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) -> str:
-    """Return MuJoCo's XML of bodies that touch. Without a plane, only elements `pair` do. Raises `SceneUnsupported`."""
+    """Return MuJoCo's XML of free bodies that touch. Raises `SceneUnsupported`."""
+    root, world = surrounded(scene, method)
+    for index, body in enumerate(bodies):
+        add_body(world, index, body)
+    return written(root)
+
+
+def surrounded(scene: AnyScene, method: Method) -> tuple[ElementTree.Element, ElementTree.Element]:
+    """Return MuJoCo's XML of the surroundings of bodies that touch, and its element of the world, which has no bodies yet.
+
+    Without a plane, only elements `pair` touch. Raises `SceneUnsupported`.
+    """
     chosen = dict(method.options)
     check_options(scene, method)
     root = ElementTree.Element("mujoco")
@@ -165,8 +177,6 @@ def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) ->
     if scene.plane is not None:
         turn = numbers_written(math.cos(scene.plane.incline / 2), 0, math.sin(scene.plane.incline / 2), 0)
         ElementTree.SubElement(world, "geom", name=geom_name(WORLD), type="plane", size="0 0 1", quat=turn)
-    for index, body in enumerate(bodies):
-        add_body(world, index, body)
     if others:
         pairs = ElementTree.SubElement(root, "contact")
         for law in others:
@@ -175,6 +185,11 @@ def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) ->
             sliding = numbers_written(law.friction, law.friction, torsional, rolling, rolling)
             touching = law_written(law, method) | {"friction": sliding}
             ElementTree.SubElement(pairs, "pair", {"geom1": one, "geom2": other} | touching)
+    return root, world
+
+
+def written(root: ElementTree.Element) -> str:
+    """Return an element as text."""
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode")
 
@@ -186,8 +201,15 @@ def add_body(world: ElementTree.Element, index: int, body: TouchingBody) -> None
     axes, moments = numbers_written(*body.body.axes), numbers_written(*body.body.moments)
     mass = numbers_written(body.body.mass)
     ElementTree.SubElement(element, "inertial", pos="0 0 0", mass=mass, quat=axes, diaginertia=moments)
-    geom = ElementTree.fromstring(geometry(body.shape))
+    add_geom(element, index, body.shape)
+
+
+def add_geom(element: ElementTree.Element, index: int, shape: Shape, centre: Vector = (0.0, 0.0, 0.0)) -> None:
+    """Add the shape of a body, whose centre is at a point of its frame (m), to the element of the body."""
+    geom = ElementTree.fromstring(geometry(shape))
     geom.set("name", geom_name(index))
+    if any(centre):
+        geom.set("pos", numbers_written(*centre))
     element.append(geom)
 
 

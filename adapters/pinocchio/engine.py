@@ -34,6 +34,7 @@ from bodycheck.adapters.pinocchio import (
     contact,
     exporting,
     flights,
+    gripping,
     mechanism_script,
     mechanisms,
     robots,
@@ -45,7 +46,7 @@ from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.schemes import SCHEMES
 from bodycheck.adapters.stepping import InTurn, Loop
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import touches
+from bodycheck.reference.requirements import grips, touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -101,7 +102,10 @@ engine = Engine(
     version=str(pin.__version__),
     integrators=integrators(),
     models=frozenset(
-        {"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS, *touching.MODELS}
+        {
+            *("gravity", "translation", "rotation", "contact", "friction", "drag"),
+            *(*mechanisms.MODELS, *touching.MODELS, *gripping.MODELS),
+        }
     ),
     variants={"plane": ("law-force:model=planar-joint",)},
     batch=2,
@@ -156,6 +160,8 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
+    if grips(scenes[0]):
+        return gripping.prepare(scenes[0], method)
     if touches(scenes[0]):
         return touching.prepare(scenes[0], method)
     if isinstance(scenes[0], Mechanism):

@@ -28,7 +28,7 @@ from bodycheck.adapters.pinocchio.joints import UNIVERSE
 from bodycheck.adapters.pinocchio.mechanism_model import Built, inertia_of, placement
 from bodycheck.reference.mechanisms.exact import nearest_turn
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, depth_first
-from bodycheck.reference.requirements import touches
+from bodycheck.reference.requirements import grips, touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -58,6 +58,8 @@ class Placed:
 
 def lacking(scene: AnyScene, sensor: Sensor, method: Method) -> str | None:
     """Return why Pinocchio does not read a sensor, as `Sensing.lacking` does."""
+    if grips(scene):
+        return "has no sensors of bodies between fingers, whose contacts the adapter solves"
     forward = method.option("sensors") == "forward"
     if sensor.type == "joint_effort":
         return "has no sensor of efforts at joints, which are arguments of its functions"

@@ -23,7 +23,7 @@ from bodycheck.adapters.pinocchio import contact
 from bodycheck.adapters.pinocchio.contact_points import Placed, Point, between, on_plane, radius
 from bodycheck.adapters.pinocchio.joints import add_body, world
 from bodycheck.adapters.stepping import Loop
-from bodycheck.adapters.touching import TouchingBody, laws, switches, touching_bodies
+from bodycheck.adapters.touching import Law, TouchingBody, laws, switches, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Plane, Push, Sphere
@@ -92,8 +92,7 @@ class Contacts:
         self.pushes, self.steps = switches(scene.pushes, timestep), 0
         self.acting: tuple[Push, ...] = ()
         self.guess: dict[tuple[tuple[int, int], int], Array] = {}
-        self.models: dict[tuple[float, ...], tuple[tuple[Any, Any], Any]] = {}
-        self.settings, self.result = settings(), pin.ADMMSolverResult()
+        self.solver = Solver(self.model, self.joints[0])
         self.pressed: dict[tuple[int, int], float] = {}
         self.exerted = np.full((len(bodies), 3), np.nan)
 
@@ -148,15 +147,12 @@ class Contacts:
         """Return the change of the velocities by contacts; `v` (6 bodies,) are the velocities of the step without contacts."""
         laws = [self.others.get(point.bodies, self.usual) for point in points]
         jacobian = Jacobian(points, placed)
-        drift = jacobian.velocities(v)
-        normal, incoming = drift[2::3].copy(), jacobian.velocities(before)[2::3]
-        gaps = np.array([point.gap for point in points])
-        restitutions = np.array([law.restitution for law in laws])
-        bouncing = (gaps + self.timestep * normal < 0) & (-restitutions * incoming > self.fall)
-        drift[2::3] += np.where(bouncing, restitutions * incoming, gaps / self.timestep)
+        drift, incoming = jacobian.velocities(v), jacobian.velocities(before)[2::3]
+        aim(drift, incoming, points, laws, self.timestep, self.fall)
         keys = [(point.bodies, point.number) for point in points]
         guess = np.concatenate([self.guess.get(key, np.zeros(3)) for key in keys])
-        impulses = self._solved(jacobian.delassus(self.inverse), drift / self.unit, guess, tuple(law.friction for law in laws))
+        frictions, time = tuple(law.friction for law in laws), self.steps * self.timestep
+        impulses = self.solver.solved(jacobian.delassus(self.inverse), drift / self.unit, guess, frictions, time)
         self.guess = dict(zip(keys, impulses.reshape(-1, 3), strict=True))
         for point, impulse in zip(points, self.mass * self.unit * impulses.reshape(-1, 3), strict=True):
             self.pressed[point.bodies] = self.pressed.get(point.bodies, 0.0) + float(impulse[2])
@@ -165,12 +161,40 @@ class Contacts:
                     self.exerted[body] += sign * point.axes @ impulse
         return jacobian.change(self.inverse, self.unit * impulses)
 
-    def _solved(self, delassus: Array, drift: Array, guess: Array, frictions: tuple[float, ...]) -> Array:
-        """Return the impulses (3n,) at n contacts. Impulses and arguments are in units of the largest mass and `unit`."""
+
+def aim(drift: Array, incoming: Array, points: Sequence[Point], laws: Sequence[Law], timestep: float, fall: float) -> None:
+    """Change the velocities (3n,) at n points such that those with contacts end the step without overlap, or bounce.
+
+    incoming: the normal velocities (n,) before the step. fall: the change of a velocity (m/s) by gravity in a step.
+    """
+    gaps, restitutions = np.array([point.gap for point in points]), np.array([law.restitution for law in laws])
+    bouncing = (gaps + timestep * drift[2::3] < 0) & (-restitutions * incoming > fall)
+    drift[2::3] += np.where(bouncing, restitutions * incoming, gaps / timestep)
+
+
+class Solver:
+    """ADMM for the impulses at contacts.
+
+    Parameters
+    ----------
+    model, joint
+        The model, and any of its joints: the solver uses only the friction cones of contacts.
+    """
+
+    def __init__(self, model: pin.Model, joint: int) -> None:
+        self.model, self.joint = model, joint
+        self.models: dict[tuple[float, ...], tuple[tuple[Any, Any], Any]] = {}
+        self.settings, self.result = settings(), pin.ADMMSolverResult()
+
+    def solved(self, delassus: Array, drift: Array, guess: Array, frictions: tuple[float, ...], time: float) -> Array:
+        """Return the impulses (3n,) at n contacts, in units such that gravity changes a velocity by 1 in a step.
+
+        time: the time (s) for the message. Raises `EngineDiverged` if ADMM finds no solution.
+        """
         if frictions not in self.models:
             # The solver uses only the friction cones, so the positions of the points do not matter.
             nowhere = np.zeros((len(frictions), 3))
-            models = contact.point_contacts(self.model, self.joints[0], nowhere, frictions)
+            models = contact.point_contacts(self.model, self.joint, nowhere, frictions)
             self.models[frictions] = models, pin.ADMMConstraintSolver(3 * len(frictions))
         models, admm = self.models[frictions]
         tolerance = max(TOLERANCE, contact.SPEED_ROUNDING * float(np.abs(drift).max()))
@@ -183,7 +207,7 @@ class Contacts:
             residual = contact.residual_of(admm, models, delassus, drift, chosen, result)
             if residual < contact.STALL_RESIDUAL:
                 return np.asarray(result.retrieveConstraintImpulses()).copy()
-        raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {self.steps * self.timestep:.6g} s")
+        raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {time:.6g} s")
 
 
 class Jacobian:

@@ -158,7 +158,9 @@ def _coefficient(friction: float | str) -> float:
 
 def _places(pattern: str, names: Sequence[str]) -> list[int]:
     """Return the indices of the bodies with names that a pattern matches, in which * stands for any characters."""
-    if pattern == PLANE:
-        return [WORLD]
-    escaped = re.sub(r"[\[?]", r"[\g<0>]", pattern)
-    return [index for index, name in enumerate(names) if fnmatchcase(name, escaped)]
+    return [WORLD] if pattern == PLANE else [index for index, name in enumerate(names) if matches(pattern, name)]
+
+
+def matches(pattern: str, name: str) -> bool:
+    """Return whether a pattern, in which * stands for any characters, matches a name."""
+    return fnmatchcase(name, re.sub(r"[\[?]", r"[\g<0>]", pattern))

@@ -32,6 +32,7 @@ EVENTS: dict[EventKind, str] = {
     "slip": "{} begins to slip",
     "rest": "{} comes to rest",
     "tip": "{} begins to tip",
+    "turn": "{} begins to turn about its contacts",
 }
 
 #: The largest number of printed events.

@@ -3,20 +3,25 @@
 import math
 from collections.abc import Callable
 
-from bodycheck.figures import touching
+from bodycheck.figures import gripping, touching
 from bodycheck.figures.definition import Comparison, Figure, Load
 from bodycheck.reference import contact_observables
 from bodycheck.reference.planar import Stop
+from bodycheck.reference.requirements import grips
+from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array
 
 
 def creep(compared: Comparison) -> float | None:
     """Return the mean speed (m/s) of the centre of mass along the plane after the run's stop.
 
-    Returns None if the body does not stop in the truth. For bodies in contact, the result is that of `touching.creep`.
+    Returns None if the body does not stop in the truth. For bodies in contact, the result is that of `touching.creep`, and
+    for a body between fingers that of `gripping.creep`.
     """
     if compared.touching:
         return touching.creep(compared)
+    if not isinstance(compared.scene, Scenes) and grips(compared.scene):
+        return gripping.creep(compared)
     if compared.truth.stop is None:
         return None
     stop, trajectory = compared.stop, compared.trajectory

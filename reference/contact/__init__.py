@@ -7,6 +7,7 @@
 - `witness`: the second way, which starts from the scene and shares no code with the first.
 - `round`, `flat`, `leaning`, `piles`, `coin`, `dropped`: the ways. After the first touch of a body that is dropped on an edge
   or a corner, only inequalities are known.
+- `gripping`: a body between two fingers, which are on joints.
 - `touching`, `observables`, `impacts`: the observables that are measured on the samples of a run.
 
 A body that lies flat on a level plane, slides and spins is in `bodycheck.reference.sliding`.

@@ -15,8 +15,9 @@ from bodycheck.reference.witness import Instant, WideArray
 
 #: The kind of an event: bodies hit each other or the plane, or a further part of a body that touches the plane hits it; a body
 #: that slips begins to roll; a body that rolls or rests begins to slip, or the plane would have to pull it; a body comes to
-#: rest; a body that stands begins to tip.
-EventKind = Literal["impact", "roll", "slip", "rest", "tip"]
+#: rest; a body that stands begins to tip. A body between fingers begins to slip on them, comes to rest on them, or begins to
+#: turn about them.
+EventKind = Literal["impact", "roll", "slip", "rest", "tip", "turn"]
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from bodycheck.reference.contact.problem import turn_of
 from bodycheck.reference.contact.ways import motion_of
 from bodycheck.reference.contact.witness.ways import second
 from bodycheck.reference.kinematics import multiply, normalise, rotate
-from bodycheck.reference.mechanisms import ways
+from bodycheck.reference.mechanisms import kinematics, ways
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Vector, vector_of
@@ -67,7 +67,7 @@ def computed_contact(scene: AnyScene, times: Array, *, vouched: bool = True) -> 
         motion.reason,
         BACKEND,
         (*((motion.witness,) if motion.witness else ()), *((witness.name,) if witness else ())),
-        joints=JointMotion(np.zeros((len(times), 0)), np.zeros((len(times), 0))) if isinstance(scene, Mechanism) else None,
+        joints=_joints(scene, trajectory) if isinstance(scene, Mechanism) else None,
         events=events,
         friction=motion.friction,
         interfaces=motion.interfaces,
@@ -79,8 +79,15 @@ def computed_contact(scene: AnyScene, times: Array, *, vouched: bool = True) -> 
 def _bounds(scene: AnyScene, trajectory: Trajectory, errors: dict[str, Array]) -> Bounds:
     """The bounds of all figures from those of the states (n,), by the names of `bounds.STATES`."""
     if isinstance(scene, Mechanism):
-        return ways.bounds_of(scene, trajectory, np.zeros((len(trajectory), 0)), errors)
+        return ways.bounds_of(scene, trajectory, _joints(scene, trajectory).position, errors)
     return Bounds(**errors, **conserved_errors(scene, trajectory, **errors))
+
+
+def _joints(scene: Mechanism, trajectory: Trajectory) -> JointMotion:
+    """The coordinates of the joints, on which the fingers are that grip a body."""
+    if scene.joints:
+        return kinematics.joints(scene, trajectory)
+    return JointMotion(np.zeros((len(trajectory), 0)), np.zeros((len(trajectory), 0)))
 
 
 def _vouched_events(

@@ -1,7 +1,7 @@
 """The ways that compute motions of bodies that touch. The first way that models a scene computes its motion.
 
 Two spheres that hit each other are the last way. It starts from the scene, since it needs all digits of the file, and needs no
-plane.
+plane. Bodies on joints, which are fingers that grip a free body, have a way of their own.
 
 Engines have no infinite coefficient of friction: `finite` replaces it by a coefficient that is large enough to prevent slip.
 """
@@ -16,6 +16,7 @@ import numpy as np
 from bodycheck.reference.contact import dropped
 from bodycheck.reference.contact.coin.way import rolling_coin
 from bodycheck.reference.contact.flat import block
+from bodycheck.reference.contact.gripping import way as way_of_grips
 from bodycheck.reference.contact.leaning import rod
 from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.piles import pushed, rest
@@ -26,7 +27,7 @@ from bodycheck.reference.contact.round.alone import cylinder, sphere
 from bodycheck.reference.contact.spheres import way as way_of_spheres
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import touches
+from bodycheck.reference.requirements import grips, touches
 from bodycheck.reference.trajectory import Array
 
 #: A way: a function that returns the motion of a problem at ascending times (n,) >= 0 (s), or None for a problem that is not of
@@ -61,6 +62,8 @@ def contact_motion(problem: Problem, times: Array) -> ContactMotion:
 
 def motion_of(scene: AnyScene, times: Array) -> ContactMotion:
     """The motion of bodies that touch at ascending times (n,) >= 0 (s). Raises `NotModelled` if no way models the scene."""
+    if grips(scene):
+        return way_of_grips.motion(scene, times)
     motion = None if scene.plane is None else _on_plane(problem_of(scene), times)
     if motion is None and isinstance(scene, Mechanism):
         if any(law.rolling_friction or law.torsional_friction for law in scene.contact_laws):

@@ -18,6 +18,7 @@ from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.mechanisms.loops.joint_space import coordinate_rates
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.requirements import grips
 from bodycheck.reference.sensors.bounding import with_bounds, without
 from bodycheck.reference.sensors.contacts import touching_truth
 from bodycheck.reference.sensors.efforts import Acting, acting_at, efforts, nudged
@@ -41,6 +42,8 @@ def sensor_truth(truth: Truth, sensors: Sequence[Sensor]) -> tuple[SensorTruth, 
         return ()
     if truth.scene.plane is not None:
         return touching_truth(truth, sensors)
+    if grips(truth.scene):
+        return tuple(without(sensor, "readings in a scene with fingers that grip a body") for sensor in sensors)
     model = _Model(equations(truth.scene), tuple(sensors))
     states = with_rules(model.written, states_of(model.written, of_bodies(truth.trajectory), truth.joints))
     acting = None

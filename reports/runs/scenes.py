@@ -25,6 +25,7 @@ EVENTS: dict[EventKind, str] = {
     "slip": "begins to slip",
     "rest": "comes to rest",
     "tip": "begins to tip",
+    "turn": "begins to turn about its contacts",
 }
 
 #: The most bodies, joints or contacts that are described individually.
@@ -150,13 +151,13 @@ def _flat_plane(plane: Plane) -> str:
 def _on_plane(plane: Plane) -> str:
     """Return the description of a plane on which bodies roll, bounce and rest."""
     tilted = f"inclined by {number(plane.incline)} rad " if plane.incline else ""
-    return f"on a plane {tilted}with {_touching(plane.friction, plane.restitution)}"
+    return f"on a plane {tilted}with {_touching(plane)}"
 
 
 def _contact(mechanism: Mechanism, pair: PairContact) -> str:
     """Return the description of the contact of two bodies."""
     one, other = ("the plane" if place == WORLD else mechanism.bodies[place].name for place in pair.bodies)
-    return f"between {one} and {other} {_touching(pair.friction, pair.restitution)}"
+    return f"between {one} and {other} {_touching(pair)}"
 
 
 def _pushed(push: Push, name: str = "") -> str:
@@ -167,9 +168,15 @@ def _pushed(push: Push, name: str = "") -> str:
     return f"pushed {f'{name} ' if name else ''}with {vector(push.force)} N{where}{during}"
 
 
-def _touching(friction: float, restitution: float) -> str:
-    rough = "friction so large that nothing slips" if math.isinf(friction) else f"friction coefficient {number(friction)}"
-    return f"{rough} and coefficient of restitution {number(restitution)}"
+def _touching(law: Plane | PairContact) -> str:
+    """Return the description of the coefficients of a contact."""
+    slips = not math.isinf(law.friction)
+    rough = f"friction coefficient {number(law.friction)}" if slips else "friction so large that nothing slips"
+    moments = {"rolling": law.rolling_friction, "torsional": law.torsional_friction}
+    braked = [f"{name} friction {number(value)} m" for name, value in moments.items() if value]
+    cone = " in one cone" if braked and law.cone == "one" else ""
+    bounces = f"coefficient of restitution {number(law.restitution)}"
+    return f"{listing([rough, *braked])}{cone}, and {bounces}" if braked else f"{rough} and {bounces}"
 
 
 def _bodies(mechanism: Mechanism) -> str:

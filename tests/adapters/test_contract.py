@@ -50,7 +50,7 @@ SCENES = {"flight": "osrf-boxes-complex", "drag": "football-drag", "plane": "cur
 MECHANISM_EFFECTS = {
     *("controllers", "rigid stops", "elastic stops", "stops that cease to act"),
     *("mechanisms", "loops", "point masses", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
-    *("contacts", "contacts without a plane", "rolling friction", "torsional friction"),
+    *("contacts", "contacts without a plane", "contacts of bodies on joints", "rolling friction", "torsional friction"),
     *("pushes", "mimic joints", "massless bodies"),
     *(form.effect for form in JOINT_TYPES.values()),
 }

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 #: Case files to load, of which the accepted ones get a truth; case files to run; folders and baselines to damage; kills;
 #: truths to judge, of mechanisms with dry friction, trees as robots have them, driven mechanisms, sensors of trees,
-#: bodies that touch, and spheres that hit each other.
+#: bodies that touch, spheres that hit each other, and bodies between fingers.
 DEFAULTS = {
     "FILES": 100_000,
     "RUNS": 2_000,
@@ -17,6 +17,7 @@ DEFAULTS = {
     "SENSORS": 200,
     "CONTACTS": 500,
     "IMPACTS": 300,
+    "GRIPS": 100,
 }
 
 #: The seed of the first attack.

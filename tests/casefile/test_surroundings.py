@@ -208,7 +208,7 @@ def test_a_fault_is_told(text: str, fault: str) -> None:
 
 def test_bodies_on_joints_have_no_plane() -> None:
     text = '[scene.plane]\n[[joints]]\nname = "pin"\ntype = "spherical"\nchild = "box"\n'
-    assert faults(BALLS + text) == ["scene.plane: bodies on joints touch nothing; allowed: a plane, or joints"]
+    assert faults(BALLS + text) == ["scene.plane: bodies on joints touch no plane; allowed: a plane, or joints"]
 
 
 def test_a_push_on_several_bodies_names_one() -> None:
@@ -273,10 +273,37 @@ def test_pairs_touch_without_a_plane_and_then_say_all() -> None:
     ]
 
 
-def test_bodies_on_joints_touch_nothing() -> None:
-    joint = '[[joints]]\nname = "pin"\ntype = "spherical"\nchild = "box"\n'
-    pair = '[[scene.contacts]]\nbodies = ["ball-1", "box"]\nfriction = 0.5\nrestitution = 0.0\n'
-    assert faults(BALLS + pair + joint) == ["scene.contacts: bodies on joints touch nothing; allowed: contacts, or joints"]
+def joint(child: str, kind: str = "prismatic") -> str:
+    axis = "axis = [1.0, 0.0, 0.0]\n" if kind == "prismatic" else ""
+    return f'[[joints]]\nname = "of {child}"\ntype = "{kind}"\nchild = "{child}"\n{axis}'
+
+
+def test_a_body_on_a_prismatic_joint_touches_a_free_one() -> None:
+    pair = '[[scene.contacts]]\nbodies = ["ball-*", "box"]\nfriction = 0.5\nrestitution = 0.0\n'
+    scene = bodies(pair + joint("ball-1") + joint("ball-2"))
+    assert [contact.bodies for contact in scene.contacts] == [(0, 2), (1, 2)]
+
+
+@pytest.mark.parametrize(
+    ("pair", "joints", "fault"),
+    [
+        (
+            '["ball-1", "box"]',
+            joint("box", "spherical"),
+            "box is on a joint of the type spherical; allowed: a free body and one on a prismatic joint",
+        ),
+        (
+            '["ball-*", "ball-*"]',
+            joint("ball-1") + joint("ball-2"),
+            "ball-1 and ball-2 are both on joints; allowed: a free body and one on a prismatic joint",
+        ),
+    ],
+)
+def test_other_bodies_on_joints_touch_nothing(pair: str, joints: str, fault: str) -> None:
+    contact = f"[[scene.contacts]]\nbodies = {pair}\nfriction = 0.5\nrestitution = 0.0\n"
+    (told,) = faults(BALLS + contact + joints)
+    assert told.startswith("scene.contacts[1].bodies: ")
+    assert fault in told
 
 
 def test_a_joint_whose_name_is_a_table_is_a_fault_of_its_name() -> None:

@@ -1,4 +1,4 @@
-"""Judge truths: `python -m tests.judge mechanisms|contacts|impacts|rolling|trees|driven|sensors FIRST_SEED COUNT`."""
+"""Judge truths: `python -m tests.judge mechanisms|contacts|impacts|gripping|rolling|trees|driven|sensors FIRST_SEED COUNT`."""
 
 import sys
 import tempfile
@@ -7,6 +7,7 @@ from pathlib import Path
 from tests.judge import (
     contact_scenes,
     driven_scenes,
+    gripping_scenes,
     impact_scenes,
     mechanism_scenes,
     rolling_scenes,
@@ -19,6 +20,7 @@ DRAWS = {
     "mechanisms": mechanism_scenes.judge,
     "contacts": contact_scenes.judge,
     "impacts": impact_scenes.judge,
+    "gripping": gripping_scenes.judge,
     "rolling": rolling_scenes.judge,
     "trees": tree_scenes.judge,
     "driven": driven_scenes.judge,

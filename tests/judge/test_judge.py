@@ -14,6 +14,7 @@ from tests.judge import (
     contact_scenes,
     driven,
     driven_scenes,
+    gripping_scenes,
     impact_scenes,
     impacts,
     jointed,
@@ -114,6 +115,14 @@ def test_truths_of_spheres_that_hit_each_other_hold(first: int, count: int, tmp_
     verdicts = judged(impact_scenes.judge, first, count, tmp_path)
     assert not [str(each) for each in verdicts if each.broken]
     assert sum(bool(each.refused) for each in verdicts) <= 5 + count / 10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("first", "count"), batches("GRIPS"))
+def test_truths_of_bodies_between_fingers_hold(first: int, count: int, tmp_path: Path) -> None:
+    verdicts = judged(gripping_scenes.judge, first, count, tmp_path)
+    assert not [str(each) for each in verdicts if each.broken]
+    assert sum(bool(each.refused) for each in verdicts) <= 3 + count / 10
 
 
 @pytest.mark.slow

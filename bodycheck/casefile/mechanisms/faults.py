@@ -7,9 +7,9 @@ from bodycheck.casefile.contradictions import body_faults, run_faults, start_fau
 from bodycheck.casefile.mechanisms.control_faults import control_faults
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, MAX_LOOPS, WORLD, with_shape
 from bodycheck.casefile.raw_values import mapping, numbers, tables_of
-from bodycheck.casefile.surroundings import PLANE, surroundings_faults
+from bodycheck.casefile.surroundings import PLANE, matches, surroundings_faults
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_PUSHES
+from bodycheck.casefile.values import MAX_CONTACTS, MAX_PUSHES
 from bodycheck.suggestion import did_you_mean, first_names
 
 
@@ -176,14 +176,36 @@ def _of_surroundings(document: Mapping[str, Any], names: Sequence[str]) -> Itera
     scene = mapping(document.get("scene"))
     if document.get("joints") or "model" in document:
         if "plane" in scene:
-            yield ("scene", "plane"), "bodies on joints touch nothing; allowed: a plane, or joints"
-        elif "contacts" in scene:
-            yield ("scene", "contacts"), "bodies on joints touch nothing; allowed: contacts, or joints"
+            yield ("scene", "plane"), "bodies on joints touch no plane; allowed: a plane, or joints"
+        elif "contacts" in scene and "model" in document:
+            yield ("scene", "contacts"), "the bodies of a model touch nothing; allowed: contacts, or a model"
+        else:
+            yield from _of_fingers(document, names)
     for index, push in enumerate(tables_of(scene, "push", MAX_PUSHES)):
         if "body" not in push and len(names) > 1:
             yield ("scene", "push", index, "body"), f"is missing; allowed: {_listed(names)}"
         elif "body" in push and (fault := _unknown(push["body"], names)) is not None:
             yield ("scene", "push", index, "body"), fault
+
+
+def _of_fingers(document: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:
+    """Yield the faults of pairs that touch where bodies are on joints: one body of a pair slides on a joint, one is free."""
+    joints = tables_of(document, "joints", MAX_BODIES)
+    holder = _holders(joints)
+    for index, contact in enumerate(tables_of(mapping(document.get("scene")), "contacts", MAX_CONTACTS)):
+        pair = contact.get("bodies")
+        if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(pattern, str) for pattern in pair):
+            continue  # reported as another fault
+        one, other = ([name for name in names if matches(pattern, name)] for pattern in pair)
+        path = ("scene", "contacts", index, "bodies")
+        held = sorted({name for name in (*one, *other) if name in holder}, key=names.index)
+        fixed = next((name for name in held if joints[holder[name]].get("type") not in ("prismatic", None)), None)
+        if fixed is not None:
+            kind = _quoted(joints[holder[fixed]].get("type"))
+            yield path, f"{_quoted(fixed)} is on a joint of the type {kind}; allowed: a free body and one on a prismatic joint"
+        elif both := next(((a, b) for a in one for b in other if a != b and a in holder and b in holder), None):
+            listed = " and ".join(map(_quoted, both))
+            yield path, f"{listed} are both on joints; allowed: a free body and one on a prismatic joint"
 
 
 def _unknown(name: Any, names: Sequence[str]) -> str | None:

@@ -24,7 +24,7 @@ from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.mechanisms.observables import observe as observe_mechanism
 from bodycheck.reference.observables import observe
-from bodycheck.reference.requirements import slides, touches
+from bodycheck.reference.requirements import grips, slides, touches
 from bodycheck.reference.scene import Body, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth, distance
@@ -133,6 +133,8 @@ def _of_touching(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
         if (deepest := depth(body, motion).max()) > POSITION_LOST_FRACTION * _size(scene, trajectory):
             yield Symptom("inaccurate", f"sinks {deepest:.3g} m into the plane")
             break
+    if grips(scene):  # the efforts of fingers do work
+        return
     gain = gained(scene, trajectory).max() / (float(energy_from_plane(scene, trajectory)[0]) or 1.0)
     if gain > ENERGY_CHANGE_LIMIT:
         counted = "" if scene.plane is None else ", which is counted from the plane"

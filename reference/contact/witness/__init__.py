@@ -11,6 +11,7 @@ the type of its result.
 - `faces`: the axes and half-lengths of bodies with faces; `standing`: bodies that stand, and what bears them.
 - `blocks`, with `slide`: a block that lies flat. `leaning`: a body that leans and falls. `coins`: a coin that rolls.
 - `colliding`: two spheres that hit each other.
+- `gripped`: a body between two fingers. `clasping` reads them, `forces` has the power series, and `swinging` a body that turns.
 - `dropped`: a body that falls on the plane. `resting`: piles. `pushing`: a box that is pushed under spheres.
 - `searching`: the end of a motion within a step of an integration.
 """

@@ -28,7 +28,7 @@ from bodycheck.reference.contact.witness.rolling import (
     struck,
 )
 from bodycheck.reference.errors import NotModelled, OutOfReach
-from bodycheck.reference.independent.arithmetic import Real, Vector, WideArray, cross, dot, minus, norm, plus, scaled
+from bodycheck.reference.independent.arithmetic import Real, Vector, cross, dot, minus, norm, plus, scaled
 from bodycheck.reference.independent.border import MP
 from bodycheck.reference.independent.directions import exact_quaternion
 from bodycheck.reference.mechanisms.mechanism import AnyScene
@@ -163,20 +163,13 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
     return Witness(
         NAME,
         np.stack(attitudes),
-        np.stack([_along_body(each.spin, turn) for each, turn in zip(states, attitudes, strict=True)]),
+        np.stack([pieces.along_body(each.spin, turn) for each, turn in zip(states, attitudes, strict=True)]),
         np.stack([each.position for each in states]),
         np.stack([each.velocity for each in states]),
         **errors,
         digits=19,
         events=tuple(events),
     )
-
-
-def _along_body(spin: WideArray, attitude: WideArray) -> WideArray:
-    """The components (n, 3) of vectors (n, 3) along the axes of a body with attitudes (n, 4)."""
-    w, x, y, z = attitude.T
-    back = pieces.multiplied((w, -x, -y, -z), (np.zeros_like(w), *spin.T))
-    return np.stack(pieces.multiplied(back, attitude.T)[1:], axis=1)
 
 
 def _radius(body: FreeBody) -> float | None:

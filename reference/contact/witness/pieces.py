@@ -168,6 +168,13 @@ def multiplied(p: Iterable[Any], q: Iterable[Any]) -> tuple[Any, Any, Any, Any]:
     )
 
 
+def along_body(spin: WideArray, attitude: WideArray) -> WideArray:
+    """The components (n, 3) of vectors (n, 3) along the axes of a body with attitudes (n, 4)."""
+    w, x, y, z = attitude.T
+    back = multiplied((w, -x, -y, -z), (np.zeros_like(w), *spin.T))
+    return np.stack(multiplied(back, attitude.T)[1:], axis=1)
+
+
 def _sums(coefficients: WideArray, s: WideArray) -> tuple[WideArray, Array]:
     """The values (n, j) of j polynomials (j, k) at parameters (n,), and the sums (n,) of the sizes of their terms."""
     values = np.stack([_horner(row, s) for row in coefficients], axis=1)

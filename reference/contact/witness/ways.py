@@ -8,6 +8,7 @@ from bodycheck.reference.contact.witness import (
     coins,
     colliding,
     dropped,
+    gripped,
     leaning,
     pushing,
     resisting,
@@ -15,6 +16,7 @@ from bodycheck.reference.contact.witness import (
 )
 from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.requirements import grips
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import Witness
 
@@ -38,7 +40,7 @@ FAMILIES: tuple[Family, ...] = (
 
 def second(scene: AnyScene, times: Array) -> Witness | None:
     """The witness of a scene at ascending times (n,) >= 0 (s); None if no family follows its motion."""
-    families = FAMILIES if scene.plane is not None else (colliding.second,)
+    families = (gripped.second,) if grips(scene) else FAMILIES if scene.plane is not None else (colliding.second,)
     try:
         with within_range("the second way"):
             return next((witness for family in families if (witness := family(scene, times)) is not None), None)

@@ -2,19 +2,25 @@
 
 import math
 from base64 import b64decode
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
 from bodycheck import load
 from bodycheck.casefile.content import Case
+from bodycheck.console import truths
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict, verdict
+from bodycheck.reference.contact.motion import EventKind
+from bodycheck.reference.mechanisms.control import Samples
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import Line, assign
+from bodycheck.reports.runs import scenes
 from bodycheck.reports.runs.motions.animation import animated
 from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, PLACE_TOLERANCE
 from bodycheck.reports.runs.scenes import Told, describe
@@ -112,3 +118,20 @@ def test_a_completed_run_keeps_its_truth_and_loads(tmp_path: Path) -> None:
     for own in judgement.judge(results):
         assert own.discrepancy is not None
         assert {"load_error", "contact_losses", "creep"} <= own.discrepancy.maxima().keys()
+
+
+def test_fingers_are_told_with_torsional_friction_and_the_turn_of_their_body() -> None:
+    """The fingers loosen until torsional friction no longer holds the body, which turns and comes to rest again."""
+    case = load("gripped-block-turns")
+    assert isinstance(case.scene, Mechanism)
+    looser = Samples((0.0, 0.1), (30.0, 15.0))
+    slower = tuple(replace(each, effort=looser) for each in case.scene.controllers)
+    loosened = replace(case, scene=replace(case.scene, controllers=slower))
+    exact = Told.of(truth(loosened.scene, np.array([0.0, 0.7])))
+    facts = {fact.term: fact.text for fact in describe(loosened, [exact])}
+    assert facts["Events"].startswith("block begins to turn about its contacts after 0.1 s; block comes to rest after 0.61")
+    assert "friction coefficient 0.8 and torsional friction 0.004 m, and coefficient of restitution 0" in facts["Environment"]
+
+
+def test_every_kind_of_event_has_words() -> None:
+    assert set(scenes.EVENTS) == set(truths.EVENTS) == set(get_args(EventKind))
