@@ -34,37 +34,36 @@ def viscous_speed(compared: Comparison) -> float | None:
         for index, (seen, exact) in enumerate(compared.motions)
         if not pushes_on(scene, index)
         for begin, end in _braking(compared, index)
-        if (speed := viscous_below(seen, exact, begin, end)) is not None
+        if (speed := viscous_below(exact.t, _speeds(seen), _speeds(exact), begin, end)) is not None
     ]
     return max(speeds, default=None)
 
 
-def viscous_below(seen: Trajectory, exact: Trajectory, begin: float, end: float) -> float | None:
+def viscous_below(t: Array, seen: Array, exact: Array, begin: float, end: float) -> float | None:
     """Return the speed (m/s) below which a run decelerates by less than `VISCOUS` of the exact constant deceleration.
 
     None if the exact deceleration is not constant, or if fewer than `LEAST_SAMPLES` samples lie within its time.
 
     Parameters
     ----------
-    seen, exact
-        The motion of the body in the run and in the truth, at the same instants.
+    t, seen, exact
+        Instants (n,), s, and the speeds (n,), m/s, of the body at these instants in the run and in the truth.
     begin, end
         The instants (s) between which friction brakes the body to rest in the truth.
     """
-    braking = (exact.t >= begin) & (exact.t < end)
-    t, speeds = exact.t[braking], _speeds(exact)[braking]
-    if len(t) < LEAST_SAMPLES or not speeds[0] > 0:
+    braking = (t >= begin) & (t < end)
+    left, speeds = end - t[braking], exact[braking]
+    if len(left) < LEAST_SAMPLES or not speeds[0] > 0:
         return None
-    deceleration = float(speeds[0] / (end - t[0]))
-    if not np.all(np.abs(speeds - deceleration * (end - t)) <= CONSTANT * speeds[0]):
+    deceleration = float(speeds[0] / left[0])
+    if not np.all(np.abs(speeds - deceleration * left) <= CONSTANT * speeds[0]):
         return None
-    later = seen.part(seen.t >= t[0])
-    steps, before = np.diff(later.t), _speeds(later)
-    lasts = before[:-1] > deceleration * steps
-    brakes = lasts & (-np.diff(before) >= VISCOUS * deceleration * steps)
-    last = np.flatnonzero(brakes)
-    after = slice(int(last[-1]) + 1 if len(last) else 0, None)
-    return float(np.max(before[:-1][after], where=lasts[after], initial=0.0))
+    first = int(np.argmax(braking))
+    intervals, speeds = np.diff(t[first:]), seen[first:]
+    lasts = speeds[:-1] > deceleration * intervals
+    brakes = np.flatnonzero(lasts & (-np.diff(speeds) >= VISCOUS * deceleration * intervals))
+    after = slice(int(brakes[-1]) + 1 if len(brakes) else 0, None)
+    return float(np.max(speeds[:-1][after], where=lasts[after], initial=0.0))
 
 
 def _braking(compared: Comparison, index: int) -> list[tuple[float, float]]:

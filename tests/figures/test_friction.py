@@ -12,16 +12,9 @@ from bodycheck.casefile.case import load
 from bodycheck.casefile.content import Case
 from bodycheck.figures.friction import VISCOUS, viscous_below
 from bodycheck.judging.discrepancy import compare
-from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import truth
 from bodycheck.results.outcome import Completed, Run
-
-
-def moving(t: Array, speed: Array) -> Trajectory:
-    """States of a body that moves along x at some speeds (n,)."""
-    zero = np.zeros_like(t)
-    turn = np.column_stack([zero + 1, zero, zero, zero])
-    return Trajectory(t, np.zeros((len(t), 3)), turn, np.column_stack([speed, zero, zero]), np.zeros((len(t), 3)))
 
 
 def measured(start: float, deceleration: float, viscous: float, samples: int) -> tuple[float | None, float]:
@@ -32,7 +25,7 @@ def measured(start: float, deceleration: float, viscous: float, samples: int) ->
     slow = viscous * np.exp(-deceleration / viscous * np.maximum(t - reaches, 0)) if viscous else 0 * t
     seen = np.where(t < reaches, start - deceleration * t, slow)
     exact = np.maximum(start - deceleration * t, 0)
-    return viscous_below(moving(t, seen), moving(t, exact), 0.0, stop), deceleration * float(t[1])
+    return viscous_below(t, seen, exact, 0.0, stop), deceleration * float(t[1])
 
 
 @given(st.floats(0.1, 10), st.floats(0.1, 10), st.integers(200, 2000))
@@ -52,12 +45,12 @@ def test_viscous_friction_is_measured_to_the_sampling(start: float, deceleration
 
 def test_a_body_that_friction_does_not_brake_is_viscous_from_its_first_speed() -> None:
     t = np.linspace(0, 2, 101)
-    assert viscous_below(moving(t, np.full(101, 2.0)), moving(t, np.maximum(1 - t, 0)), 0.0, 1.0) == 2.0
+    assert viscous_below(t, np.full(101, 2.0), np.maximum(1 - t, 0), 0.0, 1.0) == 2.0
 
 
 def test_a_deceleration_that_changes_has_no_figure() -> None:
     t = np.linspace(0, 2, 101)
-    assert viscous_below(moving(t, np.maximum(1 - t, 0)), moving(t, np.maximum(1 - t, 0) ** 2), 0.0, 1.0) is None
+    assert viscous_below(t, np.maximum(1 - t, 0), np.maximum(1 - t, 0) ** 2, 0.0, 1.0) is None
 
 
 def figure(case: Case, factor: float = 1.0) -> float | None:

@@ -1,4 +1,4 @@
-"""The report of contact: for each scene, the exact values, the figures of engines at their defaults, and the best figures."""
+"""The report of contact: settings of engines, properties of their contacts, and the figures of each scene."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,22 +9,39 @@ from bodycheck.reports.quantities import QUANTITIES, count, number
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
-from bodycheck.studies.contact.rows import ContactRow, Line, lines
+from bodycheck.studies.contact.rows import ContactRow, PropertyRow, Setting, SettingRow, Sheet, lines, method_in_words
+from bodycheck.studies.contact.sheet import SUBJECTS
+from bodycheck.studies.contact.wording import COLUMNS, law
+
+#: The names of the parts with the settings and with the properties of contacts.
+OF_SETTINGS, OF_PROPERTIES = "settings", "properties"
+
+#: The groups of scenes in words.
+GROUPS = {"plane": "sliding flat", "contact": "touching", "impact": "bouncing"}
 
 #: Explanations for readers.
 READING = (
-    "“At defaults” is the default method of the engine, which a user of its quick start gets: its integrator, time step and "
-    "contact settings. A library without a stepper has none. “Best” is the smallest value among all methods that the adapter "
-    "offers, at the time step of the default method and at a quarter of it, each figure for itself: the method that is best in "
-    "one figure need not be good in another.",
-    "“In mechanics” is the exact value of what the figure measures the error of, such as the instant of an impact; it is 0 for "
-    "what should not be at all, such as creep. A dash means that the figure does not exist in the scene.",
+    "“Defaults” is the default method of the engine, which a user of its quick start gets: its integrator, time step and "
+    "contact settings. A library without a stepper has none. “Recommended” is what the engine's documentation recommends, if "
+    "it recommends anything. “Best” is the best method that a search found, one for all scenes of a group: it changes the "
+    "integrator, each option and the time step, first one by one and then together, and compares the largest errors of the "
+    "position in a few short scenes. It is best in the mean; in a single figure another method can be better.",
+    "The error of a setting is the geometric mean over the scenes of the search of its largest error of the position, relative "
+    "to that of the first setting of the engine. “Law given” is what the engine was handed in the place of the friction and "
+    "the restitution of the case.",
+    "Properties are measured by probes, which are short motions whose outcome is known. A ball is asked to keep half of its "
+    "speed in an impact without gravity and friction, also with a quarter of the time step. A ball bounces where it keeps at "
+    "least half of that. Energy of an impact: relative change in the impact of two boxes with a restitution of 1. Depth: of a "
+    "ball at rest; if it grows with the mass, the plane is a spring. Asleep below: speed below which a rolling ball suddenly "
+    "rests. Creep: of a box on a ramp on which nine tenths of the friction should hold it. Viscous below: speed below which "
+    "friction is less than nine tenths of Coulomb's law. Anisotropy: 1 minus the ratio of the smallest to the largest friction "
+    "over four directions. All of these are 0 in mechanics.",
+    "“In mechanics” is the exact value of what a figure measures the error of, such as the instant of an impact; it is 0 for "
+    "what should not be at all, such as creep. A dash means that there is no value.",
 )
 
 
-def present(
-    header: Header, cases: Mapping[str, Case], rows: Sequence[ContactRow], reasons: Mapping[tuple[str, str], str]
-) -> StudyReport:
+def present(header: Header, cases: Mapping[str, Case], sheet: Sheet, reasons: Mapping[tuple[str, str], str]) -> StudyReport:
     """Return the contents of the report.
 
     Parameters
@@ -33,40 +50,46 @@ def present(
         The header of the results, with versions, machine and command.
     cases
         The cases, by name.
-    rows
+    sheet
         The rows of the study.
     reasons
         The reasons why default methods did not complete a case, by the names of engine and case.
     """
-    sheet = lines(rows)
-    scenes = {name: [line for line in sheet if line.scene == name] for name in cases}
+    scenes = {name: [row for row in sheet.figures if row.scene == name] for name in cases}
     return StudyReport(
         title="Contact: rolling, bouncing, resting, tipping",
-        headline=f"{count(len(cases), 'scene')} in {count(len({row.engine for row in rows}), 'engine')}",
+        headline=f"{count(len(cases), 'scene')} in {count(len({row.engine for row in sheet.figures}), 'engine')}",
         header=header,
         notices=tuple(of_header(header)),
         findings=tuple(findings(sheet, reasons)),
-        parts=tuple(_part(cases[name], scene_lines, reasons) for name, scene_lines in scenes.items()),
+        parts=(
+            *((_settings(sheet.settings),) if sheet.settings else ()),
+            *((_properties(sheet.properties),) if sheet.properties else ()),
+            *(_scene(cases[name], rows, reasons) for name, rows in scenes.items()),
+        ),
         reading=READING,
     )
 
 
-def findings(sheet: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> list[Finding]:
-    """Return findings about each engine's largest creep and energy gain at its defaults, and scenes it did not complete."""
+def findings(sheet: Sheet, reasons: Mapping[tuple[str, str], str]) -> list[Finding]:
+    """Return for each engine its best settings, its largest creep and energy gain at defaults, and incomplete scenes."""
     sentences = []
-    for engine in dict.fromkeys(line.engine for line in sheet):
+    figures = lines(sheet.figures)
+    for engine in dict.fromkeys(row.engine for row in sheet.figures):
+        sentences += [_best(row) for row in sheet.settings if row.engine == engine and row.setting == "best"]
         for figure, subject, does in (
             ("creep", "a body that should rest", "creeps at"),
             ("energy_gain", "the energy", "grows by"),
         ):
-            having = [line for line in sheet if line.engine == engine and line.figure == figure and line.default]
+            having = [line for line in figures if line.row.engine == engine and line.row.figure == figure]
+            having = [line for line in having if line.value("defaults")]
             if having:
-                worst = max(having, key=lambda line: line.default or 0.0)
-                unit = " of the largest energy" if figure == "energy_gain" else f" {worst.unit}"
-                default, best = (f"{does} {number(value, 3)}{unit}" for value in (worst.default, worst.best))
+                worst = max(having, key=lambda line: line.value("defaults") or 0.0)
+                unit = " of the largest energy" if figure == "energy_gain" else f" {worst.row.unit}"
+                default, best = (f"{does} {number(worst.value(one), 3)}{unit}" for one in ("defaults", "best"))
                 before = f"With {engine} at its defaults, {subject} {default} in "
-                after = f". At the best settings, it {best}."
-                sentences.append(Finding(QUANTITIES[figure].title, before, worst.scene, after))
+                after = f". At the best settings, it {best}." if worst.value("best") is not None else "."
+                sentences.append(Finding(QUANTITIES[figure].title, before, worst.row.scene, after))
         lacking = [case for one, case in reasons if one == engine]
         if lacking:
             several = f"{len(lacking)} scenes; one of them is " if len(lacking) > 1 else ""
@@ -75,33 +98,103 @@ def findings(sheet: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> l
     return sentences
 
 
-def _part(case: Case, scene_lines: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> Part:
-    """Return the part of one scene: a table with a row for each engine and figure."""
-    ran = [line for line in scene_lines if line.figure]
-    why = tuple(f"{engine}: {reason}." for (engine, name), reason in reasons.items() if name == case.name)
+def _best(row: SettingRow) -> Finding:
+    """Return the finding on the best setting of an engine for a group of scenes."""
+    error = "" if row.error is None or row.error == 1 else f", with {number(row.error, 3)} of the first setting's errors"
+    tried = count(row.tried, "method")
+    before = (
+        f"{row.engine}, {GROUPS[row.group]}: {method_in_words(row.integrator, row.timestep)} is the best of {tried}{error} ("
+    )
+    return Finding("Best settings", before, OF_SETTINGS, ").")
+
+
+def _settings(rows: Sequence[SettingRow]) -> Part:
+    """Return the part that lists the settings of all engines."""
+    columns = ("Engine", "Setting", "Scenes", "Method", "Step, ms", "Error, relative", "Law given")
+    cells = tuple(
+        (
+            Entry(row.engine),
+            Entry(row.setting),
+            Entry(GROUPS[row.group]),
+            Entry(row.integrator),
+            Entry(f"{1e3 * row.timestep:.4g}", row.timestep),
+            Entry(number(row.error, 3), row.error),
+            Entry(row.contact_terms),
+        )
+        for row in rows
+    )
+    numeric = (False, False, False, False, True, True, False)
+    table = Table(columns, numeric, cells, (False,) * len(cells), ())
+    return Part(OF_SETTINGS, "Settings", (), (), (("Settings of engines", table),))
+
+
+def _properties(rows: Sequence[PropertyRow]) -> Part:
+    """Return the part with the properties of contacts: a row for each engine and setting, and a sentence on each law."""
+    methods: dict[tuple[str, str], list[PropertyRow]] = {}
+    for row in rows:
+        methods.setdefault((row.engine, row.setting), []).append(row)
+    cells, sentences = [], []
+    for (engine, setting), of_method in methods.items():
+        values = {(row.property, row.condition): row for row in of_method}
+        cells.append((Entry(engine), Entry(setting), *(_measured(values.get(column.key)) for column in COLUMNS)))
+        sentences.append(f"{engine} ({setting}): {law(of_method)}")
+    columns = ("Engine", "Setting", *(column.title for column in COLUMNS))
+    table = Table(columns, (False, False, *(True,) * len(COLUMNS)), tuple(cells), (False,) * len(cells), ())
+    return Part(OF_PROPERTIES, "Properties of contacts", tuple(sentences), (), (("Properties of contacts", table),))
+
+
+def _measured(row: PropertyRow | None) -> Entry:
+    return Entry("–") if row is None else Entry(number(row.value, 3), row.value, row.note)
+
+
+def _scene(case: Case, rows: Sequence[ContactRow], reasons: Mapping[tuple[str, str], str]) -> Part:
+    """Return the part of one scene: a row for each engine and method, with all figures."""
+    ran = [row for row in rows if row.figure]
+    why: dict[str, list[str]] = {}
+    for (engine, name), reason in reasons.items():
+        if name == case.name:
+            why.setdefault(_without_name(reason, engine), []).append(engine)
+    texts = (f"{', '.join(engines)}: {reason}." for reason, engines in why.items())
     return Part(
         name=case.name,
         title=case.name,
-        texts=(f"{case.title}.", *([case.source] if case.source else []), *why),
+        texts=(f"{case.title}.", *([case.source] if case.source else []), *texts),
         charts=(),
-        tables=(("Figures", _table(ran)),) if ran else (),
+        tables=(("Figures", _figures(ran)),) if ran else (),
     )
 
 
-def _table(shown: Sequence[Line]) -> Table:
-    columns = ("Engine", "Figure", "In mechanics", "At defaults", "Best", "Best method")
+def _without_name(reason: str, engine: str) -> str:
+    """Return a reason without the name and the version of its engine, so that engines with the same reason share it."""
+    words = reason.split(" ", 2)
+    return words[2] if len(words) == 3 and words[0] == engine else reason
+
+
+def _figures(rows: Sequence[ContactRow]) -> Table:
+    """Return the table of a scene. Settings with the same method share a row, and the last row has the exact values."""
+    shown = [name for name in SUBJECTS if any(row.figure == name for row in rows)]
+    methods: dict[tuple[str, str], dict[str, float | None]] = {}
+    settings: dict[tuple[str, str], dict[Setting, None]] = {}
+    exact: dict[str, float | None] = {}
+    for row in rows:
+        assert row.timestep is not None  # a run with figures has a method
+        key = row.engine, method_in_words(row.integrator, row.timestep)
+        methods.setdefault(key, {})[row.figure] = row.value
+        settings.setdefault(key, {})[row.setting] = None
+        exact[row.figure] = row.truth
+    cells = tuple(
+        (
+            Entry(engine),
+            Entry(", ".join(settings[engine, method]), meaning=method),
+            *(Entry(number(values.get(name), 3), values.get(name)) for name in shown),
+        )
+        for (engine, method), values in methods.items()
+    )
     return Table(
-        columns=columns,
-        numeric=(False, False, True, True, True, False),
-        rows=tuple(
-            (
-                Entry(line.engine),
-                Entry(QUANTITIES[line.figure].label),
-                *(Entry(number(value, 3), value) for value in (line.truth, line.default, line.best)),
-                Entry(line.method),
-            )
-            for line in shown
-        ),
-        failed=(False,) * len(shown),
+        columns=("Engine", "Setting", *(QUANTITIES[name].label for name in shown)),
+        numeric=(False, False, *(True,) * len(shown)),
+        rows=cells,
+        failed=(False,) * len(cells),
         notes=(),
+        footer=(Entry("In mechanics"), Entry(""), *(Entry(number(exact[name], 3), exact[name]) for name in shown)),
     )
