@@ -1,15 +1,16 @@
 """The report of contact: settings of engines, properties of their contacts, and the figures of each scene."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from bodycheck.casefile.content import Case
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.notices import of_header
-from bodycheck.reports.quantities import QUANTITIES, count, number
+from bodycheck.reports.quantities import QUANTITIES, count, listing, number
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
-from bodycheck.studies.contact.rows import ContactRow, PropertyRow, Setting, SettingRow, Sheet, lines, method_in_words
+from bodycheck.studies.contact.rows import ContactRow, PropertyRow, Setting, SettingRow, Sheet, method_in_words
 from bodycheck.studies.contact.sheet import SUBJECTS
 from bodycheck.studies.contact.wording import COLUMNS, law
 
@@ -63,6 +64,7 @@ def present(header: Header, cases: Mapping[str, Case], sheet: Sheet, reasons: Ma
         notices=tuple(of_header(header)),
         findings=tuple(findings(sheet, reasons)),
         parts=(
+            *((_overview(cases, sheet.figures),) if len({row.engine for row in sheet.figures}) > 1 else ()),
             *((_settings(sheet.settings),) if sheet.settings else ()),
             *((_properties(sheet.properties),) if sheet.properties else ()),
             *(_scene(cases[name], rows, reasons) for name, rows in scenes.items()),
@@ -72,40 +74,86 @@ def present(header: Header, cases: Mapping[str, Case], sheet: Sheet, reasons: Ma
 
 
 def findings(sheet: Sheet, reasons: Mapping[tuple[str, str], str]) -> list[Finding]:
-    """Return for each engine its best settings, its largest creep and energy gain at defaults, and incomplete scenes."""
+    """Return sentences about the contacts of each engine, and about all engines: the best settings, and the largest faults."""
     sentences = []
-    figures = lines(sheet.figures)
-    for engine in dict.fromkeys(row.engine for row in sheet.figures):
-        sentences += [_best(row) for row in sheet.settings if row.engine == engine and row.setting == "best"]
-        for figure, subject, does in (
-            ("creep", "a body that should rest", "creeps at"),
-            ("energy_gain", "the energy", "grows by"),
-        ):
-            having = [line for line in figures if line.row.engine == engine and line.row.figure == figure]
-            having = [line for line in having if line.value("defaults")]
-            if having:
-                worst = max(having, key=lambda line: line.value("defaults") or 0.0)
-                unit = " of the largest energy" if figure == "energy_gain" else f" {worst.row.unit}"
-                default, best = (f"{does} {number(worst.value(one), 3)}{unit}" for one in ("defaults", "best"))
-                before = f"With {engine} at its defaults, {subject} {default} in "
-                after = f". At the best settings, it {best}." if worst.value("best") is not None else "."
-                sentences.append(Finding(QUANTITIES[figure].title, before, worst.row.scene, after))
-        lacking = [case for one, case in reasons if one == engine]
-        if lacking:
-            several = f"{len(lacking)} scenes; one of them is " if len(lacking) > 1 else ""
-            what = f"{engine} does not complete {several}"
-            sentences.append(Finding("Not completed", what, lacking[0], f": {reasons[engine, lacking[0]]}."))
+    for engine in dict.fromkeys(row.engine for row in sheet.properties):
+        own = [row for row in sheet.properties if row.engine == engine]
+        first = own[0].setting
+        before = f"{'At its defaults' if first == 'defaults' else 'At the best settings'}, {law(_of(own, first))[:-1]} ("
+        sentences.append(Finding(engine, before, OF_PROPERTIES, ")."))
+    found = [row for row in sheet.settings if row.setting == "best" and row.error is not None and row.error < 1]
+    if found:
+        gains = dict.fromkeys(row.engine for row in found)
+        texts = [f"{engine} {_smallest(found, engine)}" for engine in gains]
+        before = (
+            "In the mean, the largest errors of the position at the best settings that were found, relative to those of the "
+            f"first setting of each engine: {listing(texts)} ("
+        )
+        sentences.append(Finding("Best settings", before, OF_SETTINGS, ")."))
+    for figure, said in (
+        ("creep", "At their defaults, bodies that should rest creep at up to"),
+        ("energy_gain", "At their defaults, the energy grows by up to this part of the largest energy:"),
+    ):
+        worst = _worst(sheet.figures, figure)
+        if worst:
+            sizes = [f"{number(row.value, 3)}{f' {row.unit}' if figure == 'creep' else ''} ({row.engine})" for row in worst]
+            before = f"{said} {listing(sizes)}; the largest is in "
+            sentences.append(Finding(QUANTITIES[figure].title, before, worst[0].scene, "."))
+    lacking = Counter(engine for engine, _ in reasons)
+    if lacking:
+        numbers = [f"{engine} {count(amount, 'scene')}" for engine, amount in lacking.items()]
+        first_case = next(iter(reasons))[1]
+        before = f"Scenes that are not completed at the defaults: {listing(numbers)}. Each scene has the reasons, for example "
+        sentences.append(Finding("Not completed", before, first_case, "."))
     return sentences
 
 
-def _best(row: SettingRow) -> Finding:
-    """Return the finding on the best setting of an engine for a group of scenes."""
-    error = "" if row.error is None or row.error == 1 else f", with {number(row.error, 3)} of the first setting's errors"
-    tried = count(row.tried, "method")
-    before = (
-        f"{row.engine}, {GROUPS[row.group]}: {method_in_words(row.integrator, row.timestep)} is the best of {tried}{error} ("
+def _of(rows: Sequence[PropertyRow], setting: Setting) -> list[PropertyRow]:
+    return [row for row in rows if row.setting == setting]
+
+
+def _smallest(rows: Sequence[SettingRow], engine: str) -> str:
+    """Return the errors of the best settings of an engine by group, in words."""
+    return ", ".join(f"{number(row.error, 2)} {GROUPS[row.group]}" for row in rows if row.engine == engine)
+
+
+def _worst(rows: Sequence[ContactRow], figure: str) -> list[ContactRow]:
+    """Return the row of each engine with the largest value of a figure at its defaults, the largest first."""
+    worst: dict[str, ContactRow] = {}
+    for row in rows:
+        largest = worst[row.engine].value if row.engine in worst else 0.0
+        if row.figure == figure and row.setting == "defaults" and (row.value or 0.0) > (largest or 0.0):
+            worst[row.engine] = row
+    return sorted(worst.values(), key=lambda row: -(row.value or 0.0))
+
+
+def _overview(cases: Mapping[str, Case], rows: Sequence[ContactRow]) -> Part:
+    """Return the part with one row for each scene and one column for each engine: the errors of the position at defaults."""
+    engines = tuple(dict.fromkeys(row.engine for row in rows))
+    first: dict[tuple[str, str], ContactRow] = {}
+    best: dict[tuple[str, str], float | None] = {}
+    for row in rows:
+        if row.figure in ("", "position_error"):
+            first.setdefault((row.scene, row.engine), row)
+            if row.setting == "best":
+                best[row.scene, row.engine] = row.value
+
+    def cell(scene: str, engine: str) -> Entry:
+        row = first.get((scene, engine))
+        if row is None:
+            return Entry("–")
+        meaning = f"best: {number(best.get((scene, engine)), 2)}"
+        return Entry(number(row.value, 2), row.value, meaning) if row.figure else Entry("no", meaning=row.status)
+
+    table = Table(
+        columns=("Scene", *engines),
+        numeric=(False, *(True,) * len(engines)),
+        rows=tuple((Entry(name, link=name), *(cell(name, engine) for engine in engines)) for name in cases),
+        failed=(False,) * len(cases),
+        notes=("“no”: the engine does not complete the scene; the scene has the reason.",),
+        keys=1,
     )
-    return Finding("Best settings", before, OF_SETTINGS, ").")
+    return Part("overview", "Overview", (), (), (("Largest error of the position at the defaults, m", table),))
 
 
 def _settings(rows: Sequence[SettingRow]) -> Part:
@@ -185,7 +233,7 @@ def _figures(rows: Sequence[ContactRow]) -> Table:
     cells = tuple(
         (
             Entry(engine),
-            Entry(", ".join(settings[engine, method]), meaning=method),
+            Entry(", ".join(settings[engine, method])),
             *(Entry(number(values.get(name), 3), values.get(name)) for name in shown),
         )
         for (engine, method), values in methods.items()

@@ -1,9 +1,9 @@
 """Search for the settings of an engine with which bodies that touch move best: pure functions of the measured errors.
 
 The search begins at a method. Each sweep changes it in every single way that the record of the engine allows: another
-integrator, another value of an option, or a quarter of the first time step. Then the changes that are improvements are
-combined, the best of each choice: the two best ones, the three best ones, and so on. The best of all these methods is where the
-next sweep begins, until no method is better.
+integrator, or another value of an option. Then the changes that are improvements are combined, the best of each choice: the two
+best ones, the three best ones, and so on. The best of all these methods is where the next sweep begins, until no method is
+better. At last the best method is tried with a quarter of the time step.
 
 The score of a method is the geometric mean over scenes of its largest error of the position, relative to that of the method at
 which the search began. A method that does not complete one of these scenes has no score.
@@ -19,7 +19,7 @@ from bodycheck.adapters.offers import integrator_of, knows, not_offered_for, opt
 #: The most sweeps of a search.
 SWEEPS = 2
 
-#: The smallest time step that is tried, as a multiple of that of the method to which scores are relative.
+#: The time step of the last trial, as a multiple of that of the best method.
 FINER = 0.25
 
 #: The numbers that are tried for an option, as far as the option accepts them.
@@ -42,7 +42,7 @@ Errors = Mapping[str, float]
 Change = tuple[str, Method]
 
 
-def changes(engine: Engine, kind: Kind, start: Method, finest: float) -> Iterator[Change]:
+def changes(engine: Engine, kind: Kind, start: Method) -> Iterator[Change]:
     """Yield the methods that differ from a method in one choice, with the name of the choice.
 
     Parameters
@@ -53,8 +53,6 @@ def changes(engine: Engine, kind: Kind, start: Method, finest: float) -> Iterato
         The kind of the scenes.
     start
         The method.
-    finest
-        The smallest time step (s).
     """
     own = integrator_of(engine, start)
     for integrator in engine.integrators:
@@ -68,16 +66,14 @@ def changes(engine: Engine, kind: Kind, start: Method, finest: float) -> Iterato
         for value in (*option.words, *filter(option.accepts, NUMBERS)):
             if value != start.option(key):
                 yield key, start.with_option(key, value)
-    if start.timestep > finest:
-        yield "timestep", start.at(finest)
 
 
-def variations(engine: Engine, kind: Kind, start: Method, finest: float) -> tuple[Change, ...]:
+def variations(engine: Engine, kind: Kind, start: Method) -> tuple[Change, ...]:
     """Return the changes of a method that the engine offers for a kind of scene, and the methods with options that it lists.
 
-    A listed method may differ in several choices; its choice is its spelling. For the parameters see `changes`.
+    A listed method may differ in several choices; its choice is its spelling.
     """
-    single = [(choice, method) for choice, method in changes(engine, kind, start, finest) if _is_offered(engine, kind, method)]
+    single = [(choice, method) for choice, method in changes(engine, kind, start) if _is_offered(engine, kind, method)]
     listed = [Method.parse(spelling, start.timestep) for spelling in engine.variants.get(kind, ())]
     there = {method for _, method in single} | {start}
     new = [method for method in listed if method not in there and not LEFT_OUT & dict(method.options).keys()]
@@ -103,8 +99,6 @@ def combined(engine: Engine, kind: Kind, start: Method, improvements: Sequence[C
 
 def merged(method: Method, choice: str, changed: Method) -> Method:
     """Return a method with a choice of another method."""
-    if choice == "timestep":
-        return method.at(changed.timestep)
     if choice == "integrator":
         return Method(changed.integrator, method.timestep, method.options)
     value = changed.option(choice)
@@ -174,11 +168,13 @@ def search(
 
     best = scored(starts) if first else starts[0]
     for _ in range(SWEEPS if first else 0):
-        around = variations(engine, kind, best, FINER * starts[0].timestep)
+        around = variations(engine, kind, best)
         scored([method for _, method in around])
         good = improvements({change: scores[change[1]] for change in around}, scores[best])
         least = scored(combined(engine, kind, best, good))
         if not scores[least] < BETTER * scores[best]:
             break
         best = least
+    if first:
+        best = scored([best.at(FINER * best.timestep)])
     return Best(starts[0], best, scores)
