@@ -11,7 +11,6 @@ from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
 from bodycheck.studies.contact.rows import ContactRow, PropertyRow, Setting, SettingRow, Sheet, method_in_words
-from bodycheck.studies.contact.sheet import SUBJECTS
 from bodycheck.studies.contact.wording import COLUMNS, law
 
 #: The names of the parts with the settings and with the properties of contacts.
@@ -84,12 +83,12 @@ def findings(sheet: Sheet, reasons: Mapping[tuple[str, str], str]) -> list[Findi
     found = [row for row in sheet.settings if row.setting == "best" and row.error is not None and row.error < 1]
     if found:
         gains = dict.fromkeys(row.engine for row in found)
-        texts = [f"{engine} {_smallest(found, engine)}" for engine in gains]
+        texts = [f"{engine} ({_smallest(found, engine)})" for engine in gains]
         before = (
             "In the mean, the largest errors of the position at the best settings that were found, relative to those of the "
-            f"first setting of each engine: {listing(texts)} ("
+            f"first setting of each engine: {listing(texts)}, see "
         )
-        sentences.append(Finding("Best settings", before, OF_SETTINGS, ")."))
+        sentences.append(Finding("Best settings", before, OF_SETTINGS, "."))
     for figure, said in (
         ("creep", "At their defaults, bodies that should rest creep at up to"),
         ("energy_gain", "At their defaults, the energy grows by up to this part of the largest energy:"),
@@ -220,7 +219,7 @@ def _without_name(reason: str, engine: str) -> str:
 
 def _figures(rows: Sequence[ContactRow]) -> Table:
     """Return the table of a scene. Settings with the same method share a row, and the last row has the exact values."""
-    shown = [name for name in SUBJECTS if any(row.figure == name for row in rows)]
+    shown = list(dict.fromkeys(row.figure for row in rows))
     methods: dict[tuple[str, str], dict[str, float | None]] = {}
     settings: dict[tuple[str, str], dict[Setting, None]] = {}
     exact: dict[str, float | None] = {}
