@@ -25,7 +25,8 @@ READING = (
     "contact settings. A library without a stepper has none. “Recommended” is what the engine's documentation recommends, if "
     "it recommends anything. “Best” is the best method that a search found, one for all scenes of a group: it changes the "
     "integrator, each option and the time step, first one by one and then together, and compares the largest errors of the "
-    "position in a few short scenes. It is best in the mean; in a single figure another method can be better.",
+    "position in a few short scenes. It is best in the mean; in a single figure another method can be better. In scenes of "
+    "more than 50 000 steps it has the time step of the defaults.",
     "The error of a setting is the geometric mean over the scenes of the search of its largest error of the position, relative "
     "to that of the first setting of the engine. “Law given” is what the engine was handed in the place of the friction and "
     "the restitution of the case.",
