@@ -6,7 +6,7 @@ over the direction, and energy and momentum over an impact. The last three are t
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from math import atan, ceil, cos, sin
+from math import atan, ceil, cos, sin, sqrt
 
 import numpy as np
 
@@ -109,7 +109,8 @@ def bounce_threshold(pilot: Pilot) -> tuple[Property, ...]:
     elif stays(FASTEST):
         value, note = None, f"a ball keeps less than {BOUNCES * RESTITUTION:g} of its speed at any speed"
     elif stays(least):
-        value = threshold(stays, least, FASTEST)
+        launch = threshold(stays, least, FASTEST)
+        value = sqrt(launch**2 + 2 * GRAVITY * STEPS_AWAY * launch * pilot.timestep)  # the speed of the impact
     return (_property("bounce-threshold", "", value, "m/s", 0.0, note),)
 
 
