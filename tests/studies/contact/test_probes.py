@@ -162,6 +162,6 @@ def test_the_words_name_the_planted_law() -> None:
     ]
     assert law(rows) == (
         "a ball of 1 kg lies 9.81e-6 m deep, and one of 100 kg 100 times as deep: the plane is a spring; a restitution of 0.5 "
-        "is 0 to 0.45, and nothing bounces below 0.7 m/s; friction is viscous below 0.18 m/s and lets a box that it should hold "
-        "creep at 0.003 m/s; a ball that rolls below 0.05 m/s falls asleep."
+        "is 0 to 0.45, and nothing bounces below 0.69 m/s; friction is viscous below 0.18 m/s and lets a box that it should "
+        "hold creep at 0.003 m/s; a ball that rolls below 0.05 m/s falls asleep."
     )
