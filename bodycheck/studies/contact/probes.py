@@ -7,6 +7,7 @@ over the direction, and energy and momentum over an impact. The last three are t
 
 from collections.abc import Callable, Mapping, Sequence
 from math import atan, ceil, cos, sin, sqrt
+from statistics import fmean
 
 import numpy as np
 
@@ -30,9 +31,9 @@ SPEEDS = (0.1, 0.3, 1.0, 3.0)
 #: The time steps in words, as multiples of that of the method.
 STEPS = {"": 1.0, ", a quarter of the step": 0.25}
 
-#: How far the ball is from the plane at the start, in steps, so that no step ends at the impact; the duration (s), in which a
-#: compliant contact ends.
-STEPS_AWAY, DURATION = 2.37, 0.3
+#: How far the ball is from the plane at the start, in steps, so that impacts are at several instants within a step; the duration
+#: (s), in which a compliant contact ends.
+STEPS_AWAY, DURATION = (2.1, 2.35, 2.6, 2.85), 0.3
 
 #: The part of the asked restitution from which on a ball counts as bouncing, and the range (m/s) of the search for the speed.
 BOUNCES = 0.5
@@ -62,12 +63,19 @@ Probe = Callable[[Pilot], tuple[Property, ...]]
 
 
 def restitution(pilot: Pilot) -> tuple[Property, ...]:
-    """Return which part of its speed a ball keeps in an impact without gravity and friction, over the speed and the step."""
+    """Return which part of its speed a ball keeps in an impact without gravity and friction, over the speed and the step.
+
+    The value is the mean over several instants of the impact within a step.
+    """
     rows = []
     for words, part in STEPS.items():
         for speed in SPEEDS:
-            value = _returned(pilot, speed, part * pilot.timestep, 0.0)
-            rows.append(_property("restitution", f"{speed:g} m/s{words}", value, "", RESTITUTION))
+            kept, condition = _kept(pilot, speed, part * pilot.timestep, 0.0), f"{speed:g} m/s{words}"
+            if isinstance(kept, NotFlown):
+                rows.append(_property("restitution", condition, kept, "", RESTITUTION))
+            else:
+                note = f"{min(kept):.3g} to {max(kept):.3g}, depending on the instant within a step"
+                rows.append(_property("restitution", condition, fmean(kept), "", RESTITUTION, note))
     return tuple(rows)
 
 
@@ -80,28 +88,31 @@ def _property(
     return Property(name, condition, value, unit, expected, note)
 
 
-def _returned(pilot: Pilot, speed: float, timestep: float, gravity: float) -> float | NotFlown:
-    """Return the part of its speed (m/s) that a ball has after it hit the plane, the largest after any step."""
-    height = RADIUS + STEPS_AWAY * speed * timestep
-    scene = Scene(
-        ball(1.0), State((0.0, 0.0, height), velocity=(0.0, 0.0, -speed)), gravity, Plane(0.0, restitution=RESTITUTION)
-    )
-    flown = _states(pilot, scene, timestep, (1,) * max(10, ceil(DURATION / timestep)))
-    return flown if isinstance(flown, NotFlown) else max(0.0, float(flown[:, 9].max())) / speed
+def _kept(pilot: Pilot, speed: float, timestep: float, gravity: float) -> tuple[float, ...] | NotFlown:
+    """Return the parts of its speed (m/s) that a ball has after impacts on the plane, one for each of `STEPS_AWAY`."""
+    parts = []
+    for away in STEPS_AWAY:
+        start = State((0.0, 0.0, RADIUS + away * speed * timestep), velocity=(0.0, 0.0, -speed))
+        scene = Scene(ball(1.0), start, gravity, Plane(0.0, restitution=RESTITUTION))
+        flown = _states(pilot, scene, timestep, (1,) * max(10, ceil(DURATION / timestep)))
+        if isinstance(flown, NotFlown):
+            return flown
+        parts.append(max(0.0, float(flown[:, 9].max())) / speed)
+    return tuple(parts)
 
 
 def bounce_threshold(pilot: Pilot) -> tuple[Property, ...]:
-    """Return the speed (m/s) of impacts below which a ball under gravity keeps less than half of what it should keep.
+    """Return the speed (m/s) of impacts below which a ball under gravity never keeps half of what it should keep.
 
     Impacts are not resolved below the speed that gravity gives in a few steps.
     """
     least = max(SLOWEST, 4 * GRAVITY * pilot.timestep / RESTITUTION)
 
     def stays(speed: float) -> bool:
-        returned = _returned(pilot, speed, pilot.timestep, GRAVITY)
-        return isinstance(returned, NotFlown) or returned < BOUNCES * RESTITUTION
+        kept = _kept(pilot, speed, pilot.timestep, GRAVITY)
+        return isinstance(kept, NotFlown) or max(kept) < BOUNCES * RESTITUTION
 
-    fast = _returned(pilot, FASTEST, pilot.timestep, GRAVITY)
+    fast = _kept(pilot, FASTEST, pilot.timestep, GRAVITY)
     value: float | NotFlown | None = 0.0
     note = f"looked for between {least:.2g} and {FASTEST:g} m/s"
     if isinstance(fast, NotFlown):
@@ -110,7 +121,7 @@ def bounce_threshold(pilot: Pilot) -> tuple[Property, ...]:
         value, note = None, f"a ball keeps less than {BOUNCES * RESTITUTION:g} of its speed at any speed"
     elif stays(least):
         launch = threshold(stays, least, FASTEST)
-        value = sqrt(launch**2 + 2 * GRAVITY * STEPS_AWAY * launch * pilot.timestep)  # the speed of the impact
+        value = sqrt(launch**2 + 2 * GRAVITY * fmean(STEPS_AWAY) * launch * pilot.timestep)  # the speed of the impact
     return (_property("bounce-threshold", "", value, "m/s", 0.0, note),)
 
 
