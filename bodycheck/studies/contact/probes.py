@@ -31,8 +31,8 @@ SPEEDS = (0.1, 0.3, 1.0, 3.0)
 #: The time steps in words, as multiples of that of the method.
 STEPS = {"": 1.0, ", a quarter of the step": 0.25}
 
-#: How far the ball is from the plane at the start, in steps, so that impacts are at several instants within a step; the duration
-#: (s), in which a compliant contact ends.
+#: How far the ball is from the plane at the start, in steps, so that impacts are at several instants within a step; the
+#: duration (s), in which a compliant contact ends.
 STEPS_AWAY, DURATION = (2.1, 2.35, 2.6, 2.85), 0.3
 
 #: The part of the asked restitution from which on a ball counts as bouncing, and the range (m/s) of the search for the speed.

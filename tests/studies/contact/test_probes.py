@@ -17,7 +17,7 @@ from bodycheck.studies.contact.property import Property
 from bodycheck.studies.contact.rows import PropertyRow
 from bodycheck.studies.contact.wording import law
 
-STEP = 1e-3
+STEP = 2e-3
 
 
 ENGINE = Engine(
