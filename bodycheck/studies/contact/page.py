@@ -36,8 +36,8 @@ READING = (
     "change in the impact of two boxes with a restitution of 1. Depth: of a ball at rest; if it grows with the mass, the plane "
     "is a spring. Asleep below: speed below which a rolling ball suddenly rests. Creep: of a box on a ramp on which nine "
     "tenths of the friction should hold it. Viscous below: speed below which friction is less than nine tenths of Coulomb's "
-    "law. Anisotropy: 1 minus the ratio of the smallest to the largest friction over four directions. In mechanics, a ball keeps "
-    "0.5, and all others are 0.",
+    "law. Anisotropy: 1 minus the ratio of the smallest to the largest friction over four directions. In mechanics, a ball "
+    "keeps 0.5, and all others are 0.",
     "“In mechanics” is the exact value of what a figure measures the error of, such as the instant of an impact; it is 0 for "
     "what should not be at all, such as creep. A dash means that there is no value.",
 )
