@@ -151,7 +151,10 @@ def _overview(cases: Mapping[str, Case], rows: Sequence[ContactRow]) -> Part:
         numeric=(False, *(True,) * len(engines)),
         rows=tuple((Entry(name, link=name), *(cell(name, engine) for engine in engines)) for name in cases),
         failed=(False,) * len(cases),
-        notes=("“no”: the engine does not complete the scene; the scene has the reason.",),
+        notes=(
+            "“no”: the engine does not complete the scene; the scene has the reason. An engine without a default has the first of "
+            "its other settings.",
+        ),
         keys=1,
     )
     return Part("overview", "Overview", (), (), (("Largest error of the position at the defaults, m", table),))
@@ -178,15 +181,20 @@ def _settings(rows: Sequence[SettingRow]) -> Part:
 
 
 def _properties(rows: Sequence[PropertyRow]) -> Part:
-    """Return the part with the properties of contacts: a row for each engine and setting, and a sentence on each law."""
-    methods: dict[tuple[str, str], list[PropertyRow]] = {}
+    """Return the part with the properties of contacts: a row and a sentence for each engine and its different settings."""
+    by_setting: dict[tuple[str, Setting], list[PropertyRow]] = {}
     for row in rows:
-        methods.setdefault((row.engine, row.setting), []).append(row)
+        by_setting.setdefault((row.engine, row.setting), []).append(row)
+    alike: dict[tuple[str, tuple[tuple[str, float], ...]], list[Setting]] = {}
+    for (engine, setting), own in by_setting.items():
+        methods = tuple(dict.fromkeys((row.integrator, row.timestep) for row in own))
+        alike.setdefault((engine, methods), []).append(setting)
     cells, sentences = [], []
-    for (engine, setting), of_method in methods.items():
-        values = {(row.property, row.condition): row for row in of_method}
-        cells.append((Entry(engine), Entry(setting), *(_measured(values.get(column.key)) for column in COLUMNS)))
-        sentences.append(f"{engine} ({setting}): {law(of_method)}")
+    for (engine, _), settings in alike.items():
+        own, words = by_setting[engine, settings[0]], ", ".join(settings)
+        values = {(row.property, row.condition): row for row in own}
+        cells.append((Entry(engine), Entry(words), *(_measured(values.get(column.key)) for column in COLUMNS)))
+        sentences.append(f"{engine} ({words}): {law(own)}")
     columns = ("Engine", "Setting", *(column.title for column in COLUMNS))
     table = Table(columns, (False, False, *(True,) * len(COLUMNS)), tuple(cells), (False,) * len(cells), ())
     return Part(OF_PROPERTIES, "Properties of contacts", tuple(sentences), (), (("Properties of contacts", table),))

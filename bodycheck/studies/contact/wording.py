@@ -73,7 +73,7 @@ def _normal(values: Values) -> str:
 
 def _rebound(values: Values) -> str:
     """Return what becomes of the restitution of 0.5."""
-    kept = [value for (name, _), value in values.items() if name == "restitution" and value is not None]
+    kept = [round(value, 3) for (name, _), value in values.items() if name == "restitution" and value is not None]
     if not kept:
         return ""
     least, most = min(kept), max(kept)
