@@ -152,8 +152,8 @@ def _overview(cases: Mapping[str, Case], rows: Sequence[ContactRow]) -> Part:
         rows=tuple((Entry(name, link=name), *(cell(name, engine) for engine in engines)) for name in cases),
         failed=(False,) * len(cases),
         notes=(
-            "“no”: the engine does not complete the scene; the scene has the reason. An engine without a default has the first of "
-            "its other settings.",
+            "“no”: the engine does not complete the scene; the scene has the reason. An engine without a default has the first "
+            "of its other settings.",
         ),
         keys=1,
     )

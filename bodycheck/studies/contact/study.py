@@ -35,7 +35,7 @@ from bodycheck.studies.contact.rows import RECORDS, ContactRow, PropertyRow, Set
 from bodycheck.studies.contact.search import Best, Errors, search
 from bodycheck.studies.contact.sheet import SUBJECTS, Group, group_of, searched, truth_error, unit_of
 
-#: Time limit (s) of one run of the search and of one probe. Most take less than a second; a method that needs more is no choice.
+#: Time limit (s) of one run of the search and of one probe. Most take less than a second.
 TIME_LIMIT_S = 20.0
 
 #: The most steps of a run with the best method; in longer scenes, it has the first time step of its engine.
