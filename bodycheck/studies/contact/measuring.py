@@ -120,7 +120,7 @@ class Bench:
             key = task.case.name, task.method.sampling
             if key not in self.truths and self.results.ways(*key) is None:
                 samplings[task.case][task.method.sampling] = None
-        needed = [one for case, own in samplings.items() for one in campaign.truth_tasks(case, own)]
+        needed = [one for case, of_case in samplings.items() for one in campaign.truth_tasks(case, of_case)]
         for one, answer in self.workers.map(needed):
             assert not isinstance(one, Task | ProbeCall)
             assert isinstance(answer, dict | NoTruth | Crashed | TimedOut)

@@ -78,14 +78,14 @@ def findings(sheet: Sheet, reasons: Mapping[tuple[str, str], str]) -> list[Findi
     """Return sentences about the contacts of each engine, and about all engines: the best settings, and the largest faults."""
     sentences = []
     for engine in dict.fromkeys(row.engine for row in sheet.properties):
-        own = [row for row in sheet.properties if row.engine == engine]
-        first = own[0].setting
-        before = f"{'At its defaults' if first == 'defaults' else 'At the best settings'}, {law(_of(own, first))[:-1]} ("
+        of_engine = [row for row in sheet.properties if row.engine == engine]
+        first = of_engine[0].setting
+        before = f"{'At its defaults' if first == 'defaults' else 'At the best settings'}, {law(_of(of_engine, first))[:-1]} ("
         sentences.append(Finding(engine, before, OF_PROPERTIES, ")."))
-    found = [row for row in sheet.settings if row.setting == "best" and row.error is not None and row.error < 1]
-    if found:
-        gains = dict.fromkeys(row.engine for row in found)
-        texts = [f"{engine} ({_smallest(found, engine)})" for engine in gains]
+    better = [row for row in sheet.settings if row.setting == "best" and row.error is not None and row.error < 1]
+    if better:
+        gains = dict.fromkeys(row.engine for row in better)
+        texts = [f"{engine} ({_smallest(better, engine)})" for engine in gains]
         before = (
             "In the mean, the largest errors of the position at the best settings that were found, relative to those of the "
             f"first setting of each engine: {listing(texts)}, see "
@@ -186,15 +186,15 @@ def _properties(rows: Sequence[PropertyRow]) -> Part:
     for row in rows:
         by_setting.setdefault((row.engine, row.setting), []).append(row)
     alike: dict[tuple[str, tuple[tuple[str, float], ...]], list[Setting]] = {}
-    for (engine, setting), own in by_setting.items():
-        methods = tuple(dict.fromkeys((row.integrator, row.timestep) for row in own))
+    for (engine, setting), of_setting in by_setting.items():
+        methods = tuple(dict.fromkeys((row.integrator, row.timestep) for row in of_setting))
         alike.setdefault((engine, methods), []).append(setting)
     cells, sentences = [], []
     for (engine, _), settings in alike.items():
-        own, words = by_setting[engine, settings[0]], ", ".join(settings)
-        values = {(row.property, row.condition): row for row in own}
+        measured, words = by_setting[engine, settings[0]], ", ".join(settings)
+        values = {(row.property, row.condition): row for row in measured}
         cells.append((Entry(engine), Entry(words), *(_measured(values.get(column.key)) for column in COLUMNS)))
-        sentences.append(f"{engine} ({words}): {law(own)}")
+        sentences.append(f"{engine} ({words}): {law(measured)}")
     columns = ("Engine", "Setting", *(column.title for column in COLUMNS))
     table = Table(columns, (False, False, *(True,) * len(COLUMNS)), tuple(cells), (False,) * len(cells), ())
     return Part(OF_PROPERTIES, "Properties of contacts", tuple(sentences), (), (("Properties of contacts", table),))

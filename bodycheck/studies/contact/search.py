@@ -54,11 +54,11 @@ def changes(engine: Engine, kind: Kind, start: Method) -> Iterator[Change]:
     start
         The method.
     """
-    own = integrator_of(engine, start)
+    present = integrator_of(engine, start)
     for integrator in engine.integrators:
-        if integrator != own and kind not in integrator.refuses:
+        if integrator != present and kind not in integrator.refuses:
             yield "integrator", Method(integrator.name, start.timestep, start.options)
-    for key, option in options_of(engine, own).items() if own is not None else ():
+    for key, option in options_of(engine, present).items() if present is not None else ():
         if key in LEFT_OUT or kind not in option.kinds:
             continue
         if start.option(key) is not None:

@@ -68,18 +68,18 @@ def starts(engine: Engine, case: Case, integrators: Sequence[str], timesteps: Se
     They are the default and the recommended method, the first method that the engine offers if it has neither, and the named
     ones. Named time steps (s) are in addition to those of the engine.
     """
-    own = [*usual_methods(engine, case).values()] or [
+    first = [*usual_methods(engine, case).values()] or [
         Method.parse(spelling, DEFAULT_TIMESTEP) for spelling in with_contact(engine, case)[:1]
     ]
     named = [*methods_of(engine, case, aliases(integrators))]
     for spelling in spelled(integrators):
         method = Method.parse(spelling, 0.0)
         if not_offered(engine, case.scene, method) is None:
-            steps = timesteps or (own[0].timestep if method.accuracy is None else default_timestep(engine, case, method),)
+            steps = timesteps or (first[0].timestep if method.accuracy is None else default_timestep(engine, case, method),)
             named += [method.at(step) for step in steps]
     if timesteps and not integrators:
-        named += [own[0].at(step) for step in timesteps]
-    return tuple(dict.fromkeys((*own, *named)))
+        named += [first[0].at(step) for step in timesteps]
+    return tuple(dict.fromkeys((*first, *named)))
 
 
 def plan(
@@ -162,13 +162,13 @@ def _of_engine(
         of_group = groups[group_name]
         scenes = searched(of_group, group_name)
         best = _searched(bench, name, engine, scenes, starts(engine, scenes[0], *named))
-        own = methods[group_name] = {**usual_methods(engine, scenes[0]), "best": best.method}
-        in_cases = {case: {**own, "best": _within_steps(best, case)} for case in of_group}
+        listed = methods[group_name] = {**usual_methods(engine, scenes[0]), "best": best.method}
+        in_cases = {case: {**listed, "best": _within_steps(best, case)} for case in of_group}
         tasks = [Task(case, name, method) for case, in_case in in_cases.items() for method in in_case.values()]
         bench.measure(tasks)
         bench.compute_truths(task for task in tasks if bench.runs[task.key].figures)
         figures += [row for case, in_case in in_cases.items() for row in _figures(bench, case, name, engine, in_case)]
-        settings += _settings(bench, name, engine, group_name, scenes, own, best)
+        settings += _settings(bench, name, engine, group_name, scenes, listed, best)
     return Sheet(figures, settings, list(_properties(bench, name, engine, methods)))
 
 
@@ -182,8 +182,8 @@ def _searched(bench: Bench, name: str, engine: Engine, scenes: Sequence[Case], b
 
     def measure(methods: Sequence[Method]) -> dict[Method, Errors]:
         fitting = {method: [case for case in scenes if method.timestep <= case.duration] for method in methods}
-        bench.measure([Task(case, name, method) for method, own in fitting.items() for case in own])
-        return {method: _errors(bench, name, method, own) for method, own in fitting.items()}
+        bench.measure([Task(case, name, method) for method, in_time in fitting.items() for case in in_time])
+        return {method: _errors(bench, name, method, in_time) for method, in_time in fitting.items()}
 
     return search(engine, kind_of(scenes[0].scene), begin, measure)
 
@@ -191,7 +191,7 @@ def _searched(bench: Bench, name: str, engine: Engine, scenes: Sequence[Case], b
 def _errors(bench: Bench, name: str, method: Method, cases: Sequence[Case]) -> dict[str, float]:
     """Return the largest errors (m) of the position in the cases in which there is one."""
     figures = {case.name: bench.runs[Task(case, name, method).key].figures for case in cases}
-    return {case: own["position_error"] for case, own in figures.items() if "position_error" in own}
+    return {case: errors["position_error"] for case, errors in figures.items() if "position_error" in errors}
 
 
 def _figures(bench: Bench, case: Case, name: str, engine: Engine, methods: Settings) -> Iterator[ContactRow]:
@@ -212,13 +212,13 @@ def _figures(bench: Bench, case: Case, name: str, engine: Engine, methods: Setti
 
 
 def _settings(
-    bench: Bench, name: str, engine: Engine, of: Group, scenes: Sequence[Case], methods: Settings, best: Best
+    bench: Bench, name: str, engine: Engine, group_name: Group, scenes: Sequence[Case], methods: Settings, best: Best
 ) -> Iterator[SettingRow]:
     for setting, method in methods.items():
         terms = (bench.runs[Task(case, name, method).key].contact_terms for case in scenes)
         value = best.scores.get(method, math.inf)
         error = value if math.isfinite(value) else None
-        head = (name, engine.version, of, setting, method.name, method.timestep)
+        head = (name, engine.version, group_name, setting, method.name, method.timestep)
         yield SettingRow(*head, error, len(scenes), len(best.scores), min(filter(None, terms), key=len, default=""))
 
 
@@ -226,11 +226,11 @@ def _properties(bench: Bench, name: str, engine: Engine, by_group: Mapping[Group
     """Yield the properties of the settings of an engine. Probes of a group without scenes use the settings of another group."""
     if not by_group:
         return
-    methods = {of: by_group.get(of, next(iter(by_group.values()))) for of in PROBES}
+    methods = {group_name: by_group.get(group_name, next(iter(by_group.values()))) for group_name in PROBES}
     calls = {
         (setting, probe): ProbeCall(name, method, probe)
-        for of, probes in PROBES.items()
-        for setting, method in methods[of].items()
+        for group_name, probes in PROBES.items()
+        for setting, method in methods[group_name].items()
         for probe in probes
     }
     bench.probe(list(calls.values()))
