@@ -47,7 +47,7 @@ FRICTION, HELD = 0.5, 0.9
 CREEPS_FROM, CREEPS_FOR = 1.0, 1.0
 
 #: The speeds (m/s) between which the threshold of sleeping is searched for, and the interval (s) and the number of samples.
-DOZING, AWAKE = 1e-3, 10.0
+DOZING, AWAKE = 5e-4, 10.0
 WATCHED_S, WATCHED = 0.05, 60
 
 #: A ball that is put to sleep loses in one interval nearly all of its speed: from above the first part of its launch speed to
@@ -180,7 +180,8 @@ def viscous(pilot: Pilot) -> tuple[Property, ...]:
     t = pilot.timestep * np.arange(steps + 1, dtype=np.float64)
     seen = np.concatenate([[SLIDING], np.abs(flown[:, 7])])
     value = viscous_below(t, seen, np.maximum(SLIDING * (1 - t / stop), 0.0), 0.0, stop)
-    return (_property("viscous-speed", "", value, "m/s", 0.0, "" if value is not None else "the time step is too large"),)
+    note = "the time step is too large" if value is None else f"resolved above {FRICTION * GRAVITY * pilot.timestep:.2g} m/s"
+    return (_property("viscous-speed", "", value, "m/s", 0.0, note),)
 
 
 def audited(probe: AuditProbe) -> Probe:

@@ -160,21 +160,22 @@ def search(
     first = measure(starts[:1])[starts[0]]
     scores = {starts[0]: 1.0}
 
-    def scored(methods: Sequence[Method]) -> Method:
-        """Measure methods, and return the best of all."""
+    def better(best: Method, methods: Sequence[Method]) -> Method:
+        """Measure methods, and return the best of all, or the best so far if none is better."""
         new = list(dict.fromkeys(method for method in methods if method not in scores))
         scores.update({method: score(errors, first) for method, errors in measure(new).items()})
-        return min(scores, key=lambda method: scores[method])
+        least = min(scores, key=lambda method: scores[method])
+        return least if scores[least] < BETTER * scores[best] else best
 
-    best = scored(starts) if first else starts[0]
+    best = better(starts[0], starts) if first else starts[0]
     for _ in range(SWEEPS if first else 0):
         around = variations(engine, kind, best)
-        scored([method for _, method in around])
+        changed = better(best, [method for _, method in around])
         good = improvements({change: scores[change[1]] for change in around}, scores[best])
-        least = scored(combined(engine, kind, best, good))
-        if not scores[least] < BETTER * scores[best]:
+        changed = better(changed, combined(engine, kind, best, good))
+        if changed == best:
             break
-        best = least
+        best = changed
     if first:
-        best = scored([best.at(FINER * best.timestep)])
+        best = better(best, [best.at(FINER * best.timestep)])
     return Best(starts[0], best, scores)

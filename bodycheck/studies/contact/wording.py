@@ -89,9 +89,7 @@ def _friction(values: Values) -> str:
     unequal = values.get(("friction-anisotropy", "edges along the axes of the world"))
     parts = []
     if speed is not None:
-        parts.append(
-            f"is viscous below {number(speed, 2)} m/s" if speed > LEAST_SPEED else "brakes as Coulomb's law at all speeds"
-        )
+        parts.append(f"is viscous below {number(speed, 2)} m/s" if speed > LEAST_SPEED else "brakes as Coulomb's law")
     if creep is not None and creep > LEAST_SPEED:
         parts.append(f"lets a box that it should hold creep at {number(creep, 2)} m/s")
     if unequal is not None and abs(unequal) > LEAST_PART:
