@@ -19,14 +19,18 @@ from bodycheck.reports.quantities import PLOTTED, QUANTITIES, Quantity
 from bodycheck.reports.runs import comparison
 from bodycheck.reports.runs.brief import brief
 from bodycheck.reports.runs.charts import curves
+from bodycheck.reports.runs.charts.choice_charts import error_over_cost
 from bodycheck.reports.runs.charts.curves import Curves
 from bodycheck.reports.runs.charts.step_charts import over_steps
+from bodycheck.reports.runs.choices import Extreme
 from bodycheck.reports.runs.commands import Command, command
 from bodycheck.reports.runs.comparison import Shown
 from bodycheck.reports.runs.demonstrations import demonstrated
-from bodycheck.reports.runs.matrix import Matrix, kind_of, matrices
+from bodycheck.reports.runs.kinds import kind_of
+from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.motions.animation import animated
 from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, Playback
+from bodycheck.reports.runs.motions.stills import still
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.run_table import run_table
 from bodycheck.reports.runs.scenes import Fact, Told, describe, softness
@@ -84,6 +88,10 @@ class Section:
         Plots over time.
     playback
         The animation; None if no run has a truth with which it can be compared.
+    still
+        A small picture of the motion as SVG text; empty if there is none.
+    extremes
+        The methods with the smallest and the largest error.
     """
 
     name: str
@@ -98,6 +106,8 @@ class Section:
     origins: Origins | None
     curves: Curves
     playback: Playback | None
+    still: str
+    extremes: tuple[Extreme, ...]
 
 
 @dataclass(frozen=True)
@@ -134,8 +144,10 @@ class Contents:
         The verdict in one line, the number of runs with each outcome, and sentences about the limits of the report.
     broken
         A sentence about the failed runs; None if there are none.
-    findings
-        The findings, the most important first.
+    answers, findings
+        Sentences for the beginning of the report, and sentences on where discrepancies come from.
+    trades
+        Charts of error over cost: one for each kind of scene, by its name, the kind with the most runs first.
     failures
         The failed runs.
     lines
@@ -156,7 +168,9 @@ class Contents:
     tally: tuple[tuple[str, int], ...]
     notices: tuple[str, ...]
     broken: Finding | None
+    answers: tuple[Finding, ...]
     findings: tuple[Finding, ...]
+    trades: Mapping[str, Chart]
     failures: tuple[Failure, ...]
     lines: tuple[Line, ...]
     matrices: tuple[Matrix, ...]
@@ -176,7 +190,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     shown = tuple(replace(case, verdicts=with_place(case.verdicts)) for case in every)
     verdicts = [verdict for case in shown for verdict in case.verdicts]
     told = brief(sets)
-    chosen = frozenset(drawn_cases(shown, told.findings))
+    chosen = frozenset(drawn_cases(shown, (*told.answers, *told.findings)))
     room = _room([case for case in shown if case.name in chosen])
     placed = {verdict.key.over_cases for verdict in verdicts}
     header = comparison.header(sets)
@@ -194,6 +208,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
             demonstrations,
             room if case.name in chosen else None,
             case.title if titles[case.title] == 1 else f"{case.title} ({case.name})",
+            told.extremes.get(case.name, ()),
         )
         for case in shown
     )
@@ -204,7 +219,9 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
         tally=told.tally,
         notices=told.notices,
         broken=told.broken,
+        answers=told.answers,
         findings=told.findings,
+        trades={one.kind.name: chart for one in told.choices if (chart := error_over_cost(one)) is not None},
         failures=tuple(
             _failure(case, verdict, lines) for case in shown for verdict in case.verdicts if verdict.passed is False
         ),
@@ -247,6 +264,7 @@ def _section(
     demonstrations: Mapping[RunKey, str],
     room: Room | None,
     title: str,
+    extremes: tuple[Extreme, ...],
 ) -> Section:
     """Return the section of a case. room: the limits for its curves and animation; None if it has neither."""
     case, verdicts = shown.case, shown.verdicts
@@ -257,13 +275,14 @@ def _section(
     facts += softness(
         case.scene, {name: soft[name] for name in {verdict.run.engine: None for verdict in verdicts} if name in soft}
     )
-    drawn, played = curves.draw({}, {}, MOST_POINTS), None
+    drawn, played, picture = curves.draw({}, {}, MOST_POINTS), None, ""
     if room is not None:
         truths = {(one.label, each): one.results.truth(case.name, each) for one in shown.sets for each in samplings}
         known = {key: truth for key, truth in truths.items() if isinstance(truth, Truth)}
         try:
             with limited(DRAWING_LIMIT_S):
                 drawn, played = _drawn(shown, known, lines, room)
+                picture = still(case.scene, next(iter(known.values())).trajectory) if known else ""
         except TookTooLong as error:
             facts += (Fact("Left out", f"curves and animation, because drawing them took {error} of processor time"),)
     else:
@@ -288,6 +307,8 @@ def _section(
         origins=origins(parts),
         curves=drawn,
         playback=played,
+        still=picture,
+        extremes=extremes,
     )
 
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from markupsafe import Markup
+
 from bodycheck.reports import player
 from bodycheck.reports.charts import Spec, without_legend
 from bodycheck.reports.html import MADE, Link, json_text, page, verbatim
@@ -9,6 +11,9 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.runs.charts import joint_curves
 from bodycheck.reports.runs.charts.time_charts import FRAMES, joints, momentum, over_time, readings
 from bodycheck.reports.runs.contents import Contents, Section
+
+#: The most cases of which each has a link in the index; of more, the pictures of the scenes are the links.
+MOST_LISTED = 12
 
 
 def render(contents: Contents) -> str:
@@ -20,6 +25,8 @@ def render(contents: Contents) -> str:
         specifications(contents),
         index(contents),
         contents=contents,
+        stills={section.name: Markup(section.still) for section in contents.sections},  # numbers alone
+        sections={section.name: section for section in contents.sections},
         joint_titles=joint_curves.TITLES,
         legends={section.name: _legend(section, contents.lines) for section in contents.sections},
         datasets={section.name: json_text(section.curves.datasets) for section in contents.sections},
@@ -33,16 +40,19 @@ def index(contents: Contents) -> list[Link]:
     """Return the links of the index, in the order of the page."""
     failed = {failure.case for failure in contents.failures}
     first = (
-        ("findings", "Findings", contents.findings or contents.broken),
+        ("findings", "Answers", contents.answers or contents.broken),
         ("failures", "Failed runs", contents.failures),
-        ("matrix", "Cases and methods", contents.matrices),
+        ("matrix", "Scenes", contents.matrices),
     )
-    cases = (Link(f"case-{section.name}", section.name, True, section.name in failed) for section in contents.sections)
+    listed = contents.sections if len(contents.sections) <= MOST_LISTED else ()
+    cases = (Link(f"case-{section.name}", section.name, True, section.name in failed) for section in listed)
     kinds = (Link(f"matrix-{matrix.kind.name}", matrix.kind.title, True) for matrix in contents.matrices)
-    further = [Link("further", "Further findings")] if contents.findings[3:] else []
+    further = [Link("further", "Where errors come from")] if contents.findings else []
+    trades = [Link("trades", "Error over cost")] if len(contents.trades) > 1 else []
     return [
         *(Link(target, text) for target, text, there in first if there),
         *kinds,
+        *trades,
         *further,
         *([Link(f"case-{contents.sections[0].name}", "Cases")] if contents.sections else []),
         *cases,
@@ -69,7 +79,8 @@ def specifications(contents: Contents) -> dict[str, Spec]:
     coordinates = {f"joints_{kind}": joints(kind) for kind in sorted(moved)}
     sensed = {number for section in contents.sections for number in section.curves.sensors}
     coordinates |= {f"readings_{number}": readings(number) for number in sorted(sensed)}
-    return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | coordinates | origins | steps
+    trades = {f"trade-{name}": chart.specification for name, chart in contents.trades.items()}
+    return trades | errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | coordinates | origins | steps
 
 
 def _legend(section: Section, lines: Sequence[Line]) -> str:

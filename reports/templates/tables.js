@@ -48,9 +48,12 @@
     const others = scope.matches("table") ? piecesOf(scope).filter((table) => table !== scope) : [];
     const rows = [...scope.querySelectorAll(scope.matches("table") ? "tbody > tr" : "tbody > tr[data-words]")];
     const columns = [...scope.querySelectorAll("thead th[data-words]")];
+    // The picture of a case follows its row or column.
+    const cards = [...scope.querySelectorAll("li[data-words]")];
+    const cardsOf = (one) => cards.filter((card) => card.dataset.words === one.dataset.words);
     return [
-      ...rows.map((row) => [row, ...others.map((table) => beside.get(table).get(beside.get(row)))]),
-      ...columns.map((head) => [head, ...[...head.closest("table").rows].map((row) => row.cells[head.cellIndex]).filter(Boolean)]),
+      ...rows.map((row) => [row, ...others.map((table) => beside.get(table).get(beside.get(row))), ...cardsOf(row)]),
+      ...columns.map((head) => [head, ...[...head.closest("table").rows].map((row) => row.cells[head.cellIndex]).filter(Boolean), ...cardsOf(head)]),
     ];
   };
 

@@ -92,6 +92,7 @@ def test_cases_of_the_matrix_are_filtered_by_name_and_tag(visit: Visit) -> None:
     field.fill("tumbl")
     assert shown_cases(page) == [FLIP]
     assert page.locator("#matrix h3:visible").count() == 1
+    assert page.locator("#matrix .cards li:visible b").all_inner_texts() == [FLIP]
     assert page.locator("#matrix td:visible a").count() > 1
     field.fill("slid")
     assert shown_cases(page) == [SLIDE]
@@ -126,10 +127,10 @@ def test_a_cell_leads_to_its_curve_and_its_command(visit: Visit) -> None:
     faded = page.locator(
         f"{curve} .mark-line.role-mark path[stroke-opacity='0.2'], {curve} .mark-line.role-mark path[opacity='0.2']"
     )
-    page.locator("#matrix td a", has_text="1 ms").first.click()
+    page.locator(f'#matrix td a[href="{curve}"]').first.click()
     page.wait_for_function("curve => Math.abs(document.querySelector(curve).getBoundingClientRect().top) < 100", arg=curve)
     command = page.locator(f"{curve} .how code")
-    assert command.inner_text() == f"bodycheck run {SLIDE} --engine mujoco --integrator Euler --timestep 0.001"
+    assert command.inner_text() == f"bodycheck run {SLIDE} --engine mujoco --integrator Euler --timestep 0.002"
     faded.first.wait_for(state="attached")
     assert faded.count() == page.locator(f"{curve} .mark-line.role-mark path").count() - 1
     page.locator(f"{curve} .how button").click()

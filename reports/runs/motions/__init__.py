@@ -4,5 +4,6 @@
 - `cast`: chooses the runs that are shown.
 - `playback`: the common parts of all animations.
 - `single_body`: a body in flight or sliding on a plane. `several_bodies`: bodies on joints, and bodies that touch.
+- `stills`: small pictures of motions, without scripts.
 - `tracks`: motions with few enough instants to be stored in a page.
 """

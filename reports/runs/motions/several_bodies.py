@@ -221,6 +221,12 @@ def _points(scene: AnyScene, index: int) -> list[Vector]:
     return [(x - a, y - b, z - c) for x, y, z in points]
 
 
+def sticks_of(scene: AnyScene, index: int) -> list[tuple[Vector, Vector]]:
+    """Return the ends (m) of the sticks of a body without a shape, from its centre of mass along its axes."""
+    points, middle = _points(scene, index), (0.0, 0.0, 0.0)
+    return [*((point, middle) for point in points if any(point)), *((points[0], end) for end in _arm(scene, index))]
+
+
 def _arm(scene: AnyScene, index: int) -> list[Vector]:
     """Return the end of the arm of a body that looks the same at all angles of its joint; empty for others."""
     arm = arm_of(scene, index, _points(scene, index))

@@ -102,7 +102,7 @@ def _drawn(body: Body, reach: float) -> dict[str, Any]:
     Lengths are in units of its reach (m). Moments are about the principal axes; the quaternion `axes` turns components along
     these axes into components in the body.
     """
-    kind, semi_axes = _solid(body)
+    kind, semi_axes = solid_in_flight(body)
     turned = body.axes if body.shape is None else (1.0, 0.0, 0.0, 0.0)
     longest = max(semi_axes)
     lengths = [max(axis, THINNEST * longest) / reach for axis in semi_axes]
@@ -119,7 +119,7 @@ def _too_far(trajectory: Trajectory, reach: float) -> bool:
     return not float(np.abs(trajectory.position).max()) < FARTHEST * reach
 
 
-def _solid(body: Body) -> tuple[str, Vector]:
+def solid_in_flight(body: Body) -> tuple[str, Vector]:
     """Return the kind of solid as which a body is drawn, and its half-lengths along its axes (m)."""
     if body.shape is not None:
         return solid_of(body.shape)
@@ -131,7 +131,7 @@ def _solid(body: Body) -> tuple[str, Vector]:
 
 def reach_of(body: Body) -> float:
     """Return the distance (m) of the farthest point of a drawn body from its centre of mass."""
-    kind, (a, b, c) = _solid(body)
+    kind, (a, b, c) = solid_in_flight(body)
     return {"brick": math.hypot(a, b, c), "cylinder": math.hypot(a, c), "ellipsoid": max(a, b, c)}[kind]
 
 
