@@ -15,7 +15,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from bodycheck.figures import bounds, conservation, contact, impacts, mechanisms, motion, sensors, touching
+from bodycheck.figures import bounds, conservation, contact, friction, impacts, mechanisms, motion, sensors, touching
 from bodycheck.figures.column import Column
 from bodycheck.figures.definition import Comparison, Figure
 from bodycheck.reference.trajectory import Array
@@ -41,6 +41,7 @@ FIGURES: dict[str, Figure] = {
         *touching.FIGURES,
         *sensors.FIGURES,
         *impacts.FIGURES,
+        *friction.FIGURES,
     )
 }
 

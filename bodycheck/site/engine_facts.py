@@ -3,7 +3,7 @@
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.site import known
@@ -13,7 +13,7 @@ from bodycheck.site.known import Evidence, Issue
 from bodycheck.site.releases import Release
 from bodycheck.site.submissions.submission import Submission
 from bodycheck.studies.audit.rows import FINDINGS
-from bodycheck.studies.contact.rows import SHEET, ContactRow, Line, lines
+from bodycheck.studies.contact.rows import SHEET, ContactRow, Line, Setting, lines
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,24 +89,23 @@ def defaults(catalogue: Catalogue, engine: str) -> tuple[Mapping[str, str], Subm
 
 @dataclass(frozen=True, eq=False)
 class ContactFacts:
-    """A line of the contact sheet with its rows at the default and at the best settings; None for a missing row."""
+    """A line of the contact sheet, and its rows by setting, without the settings that have none."""
 
-    line: Line
-    at_defaults: Entry | None
-    at_best: Entry | None
+    line: Line[ContactRow]
+    entries: Mapping[Setting, Entry]
 
 
 def contact_sheet(catalogue: Catalogue, engine: str) -> tuple[ContactFacts, ...]:
     """Return the contact sheet of an engine."""
     entries = {_contact_row(entry): entry for entry in newest(catalogue, "contact.csv", engine)}
     return tuple(
-        ContactFacts(
-            line,
-            None if line.at_defaults is None else entries[line.at_defaults],
-            None if line.at_best is None else entries[line.at_best],
-        )
-        for line in lines(list(entries))
+        ContactFacts(line, {setting: entries[row] for setting, row in line.rows.items()}) for line in lines(list(entries))
     )
+
+
+def contact_settings(sheet: Sequence[ContactFacts]) -> tuple[Setting, ...]:
+    """Return the settings that lines of the contact sheet have, in their order."""
+    return tuple(setting for setting in get_args(Setting) if any(setting in one.entries for one in sheet))
 
 
 def _contact_row(entry: Entry) -> ContactRow:

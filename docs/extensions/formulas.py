@@ -61,6 +61,7 @@ FORMULAS = {
         r"\max_{k, b} \lVert \Delta \mathbf P_{k, b} / \sum_b \lVert \mathbf P_b(t_k^-) \rVert - "
         r"\Delta \mathbf P_{k, b}^* / \sum_b \lVert \mathbf P_b^*(t_k^{*-}) \rVert \rVert"
     ),
+    "viscous_speed": r"\max \{ v : -\dot v(v') < 0.9\, \lvert \dot v^* \rvert \;\forall\, v' \le v \}",
     "energy_gain": r"\max_{t \ge s} (E(t) - E(s)) / \max_t E^*(t)",
     "load_error": r"\max \lvert \bar N - N^* \rvert / N^*",
     "contact_losses": r"n(N = 0 \text{ after } N > 0)",

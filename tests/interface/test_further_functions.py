@@ -78,7 +78,7 @@ def test_an_ensemble(file: Path) -> None:
 def test_contact(tmp_path: Path) -> None:
     options: dict[str, Any] = {"case": "resting-brick", "out": tmp_path}
     results = bodycheck.contact("mujoco", **options)
-    check(results, "contact", plotted=False)
+    check(results, "contact", "contact_settings", "contact_properties", plotted=False)
     assert {row.scene for row in results.rows} == {"resting-brick"}
     with pytest.raises(bodycheck.BadInput, match="there is no engine 'mujocco'"):
         bodycheck.contact("mujocco", case="resting-brick")

@@ -57,7 +57,7 @@ COMMANDS: list[tuple[str, Row, str]] = [
         submissions.change(),
         f"releases mujoco 3.17.0 4.0.0 --case {FREE} --integrator RK4 --timestep 0.001",
     ),
-    ("contact.csv", submissions.contact(), f"contact mujoco@4.0.0 --case {CONTACT}"),
+    ("contact.csv", submissions.contact(), f"run {CONTACT} --engine mujoco@4.0.0 --integrator Euler --timestep 0.002"),
     ("parity.csv", submissions.parity(), "parity panda --engine mujoco@4.0.0"),
     ("parity.csv", submissions.parity(model="my arm.urdf"), "parity 'my arm.urdf' --engine mujoco@4.0.0"),
     ("parity.csv", submissions.parity(engine="file", version=""), "parity panda"),

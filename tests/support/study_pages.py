@@ -14,7 +14,8 @@ from bodycheck.studies.ablation.rows import ModelRow
 from bodycheck.studies.audit import page as audit
 from bodycheck.studies.audit.rows import PROPERTIES, Classes, ClassRow, Facts, Fault, Row, Unclassed
 from bodycheck.studies.contact import page as contact
-from bodycheck.studies.contact.rows import ContactRow
+from bodycheck.studies.contact.property import Name
+from bodycheck.studies.contact.rows import ContactRow, PropertyRow, Setting, SettingRow, Sheet
 from bodycheck.studies.ensemble.findings.analysis import analyse
 from bodycheck.studies.ensemble.report import page as ensemble
 from bodycheck.studies.extremes import page as extremes
@@ -226,11 +227,11 @@ def audit_page() -> StudyReport:
 
 def contact_page() -> StudyReport:
     """Two scenes in two engines, one of which creeps and gains energy, and the other does not complete a scene."""
+    methods: tuple[tuple[Setting, str, float], ...] = (("defaults", "Euler", 0.002), ("best", "RK4", 0.0005))
 
     def rows(scene: str, figure: str, unit: str, truth: float, *values: float) -> list[ContactRow]:
-        methods = (("defaults", "Euler", 0.002), ("best", "RK4", 0.0005))
         return [
-            ContactRow("mujoco", "4", method, step, scene, setting, figure, value, unit, truth, 1e-14, "ok")  # type: ignore[arg-type]
+            ContactRow("mujoco", "4", method, step, scene, setting, figure, value, unit, truth, 1e-14, "ok")
             for (setting, method, step), value in zip(methods, values, strict=True)
         ]
 
@@ -241,7 +242,25 @@ def contact_page() -> StudyReport:
         *rows("spin", "creep", "m/s", 0.0, 1e-4, 1e-6),
         ContactRow("drake", "1", "discrete", 0.001, "slide", "defaults", "", None, "", None, None, "unsupported"),
     ]
-    return contact.present(HEADER, cases(), made, {("drake", "slide"): "it has no area law of friction"})
+    settings = [
+        SettingRow("mujoco", "4", "plane", setting, method, step, error, 2, 30, "soft friction")
+        for (setting, method, step), error in zip(methods, (1.0, 0.2), strict=True)
+    ]
+    measured: tuple[tuple[Name, str, float | None, str], ...] = (
+        ("restitution", "1 m/s", 0.13, ""),
+        ("bounce-threshold", "", None, "m/s"),
+        ("depth-at-rest", "1 kg", 1e-4, "m"),
+        ("depth-at-rest", "100 kg", 1e-2, "m"),
+        ("creep", "", 0.005, "m/s"),
+    )
+    properties = [
+        PropertyRow("mujoco", "4", setting, method, step, name, condition, value, unit, 0.0, "")
+        for setting, method, step in methods
+        for name, condition, value, unit in measured
+    ]
+    return contact.present(
+        HEADER, cases(), Sheet(made, settings, properties), {("drake", "slide"): "it has no area law of friction"}
+    )
 
 
 def ensemble_page(folder: Path) -> StudyReport:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bodycheck.casefile.content import Case
+from bodycheck.console.arguments import processes
 from bodycheck.console.ran import Ran, Selection, ran_of
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names, Numbers
@@ -16,50 +17,62 @@ from bodycheck.results import origin
 from bodycheck.running.named import Decision
 from bodycheck.studies.contact import sheet, study
 from bodycheck.studies.contact.page import present
-from bodycheck.studies.contact.rows import SHEET, ContactRow
+from bodycheck.studies.contact.rows import MEASURED, SETTINGS, SHEET, ContactRow, PropertyRow, SettingRow
 from bodycheck.studies.output import Output
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactResults(StudyResults):
-    """The figures of touching bodies at the defaults of engines, and at the best settings.
+    """The figures of touching bodies at the defaults of engines, with recommended methods and at the best settings found.
 
     Attributes
     ----------
     rows
         A row for each engine, scene, setting and figure.
+    settings
+        A row for each engine, group of scenes and setting: its method, and its errors relative to the defaults.
+    properties
+        A row for each engine, setting and property that a probe measured.
     decision
         Whether everything that was named has a result, and what has none.
     """
 
     rows: Sequence[ContactRow]
+    settings: Sequence[SettingRow]
+    properties: Sequence[PropertyRow]
     decision: Decision
 
     @property
     def tables(self) -> dict[str, Table]:
-        """The table `contact`. A value has the unit in its row."""
-        return {SHEET.name: Table.of(SHEET, self.rows)}
+        """The tables `contact`, `contact_settings` and `contact_properties`. A value has the unit in its row."""
+        rows = ((SHEET, self.rows), (SETTINGS, self.settings), (MEASURED, self.properties))
+        return {table.name: Table.of(table, of_table) for table, of_table in rows}
 
 
-def carry_out(running: AbstractContextManager[Ran], compared: Compared, output: Output) -> ContactResults:
-    """Evaluate the runs that a context makes, and write the table and the report.
+def carry_out(running: AbstractContextManager[Ran], selection: Selection, compared: Compared, output: Output) -> ContactResults:
+    """Search for the best settings after the runs that a context makes, and write the tables and the report.
 
     Parameters
     ----------
     running
         The context that makes the runs.
+    selection
+        The selected methods, time steps and number of processes.
     compared
         The figures of the runs that were compared when they were made.
     output
         The folder of the results.
     """
+    named = (tuple(selection.integrators), tuple(selection.timesteps))
     with running as runs:
-        verdicts = judgement.judge(runs.results, compared=compared)
-        rows = study.evaluate(runs.results, runs.engines, verdicts)
-        header = runs.results.header
-        report = present(header, runs.results.cases, rows, study.reasons(runs.results, runs.engines))
-        output.write(report, ((SHEET, rows),), [origin.stored(header)])
-        return ContactResults(report, rows, runs.decided(study.measurements(verdicts)))
+        verdicts, jobs = judgement.judge(runs.results, compared=compared), processes(selection.jobs)
+        with study.evaluated(runs.results, runs.engines, verdicts, named, jobs, output.quiet) as sheet:
+            header = runs.results.header
+            report = present(header, runs.results.cases, sheet, study.reasons(runs.results, runs.engines))
+            tables = ((SHEET, sheet.figures), (SETTINGS, sheet.settings), (MEASURED, sheet.properties))
+            output.write(report, tables, [origin.stored(header)])
+        decision = runs.decided(study.measurements(verdicts))
+        return ContactResults(report, sheet.figures, sheet.settings, sheet.properties, decision)
 
 
 def contact(
@@ -71,7 +84,7 @@ def contact(
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> ContactResults:
-    """Show how bodies roll, bounce, rest and tip in engines, as the command `bodycheck contact` does.
+    """Show how bodies roll, bounce, rest and tip in engines, and with which settings best, as `bodycheck contact` does.
 
     Parameters
     ----------
@@ -80,9 +93,9 @@ def contact(
     case
         The same as the parameter `cases` of `bodycheck.run`. By default, the shipped cases of contact.
     integrator
-        Methods to try besides those that the engines offer.
+        Methods at which the search also begins, besides the default and the recommended method of each engine.
     timestep
-        Time steps (s). By default, the time step of each engine and a quarter of it.
+        Time steps (s) at which the search also begins, besides those of each engine.
     out
         A folder for the table, the recorded runs and the report. An interrupted study in it is resumed.
     jobs
@@ -105,6 +118,5 @@ def contact(
     command = arguments.command("contact", named, case=names, integrator=spellings, timestep=timesteps)
     folder, compared = arguments.path("--out", out), Compared()
     given = arguments.given_cases(each or sheet.scenes())
-    return carry_out(
-        ran_of(given, selection, study.plan, folder, command, quiet=True, meet=compared.meet), compared, Output(folder)
-    )
+    running = ran_of(given, selection, study.plan, folder, command, quiet=True, meet=compared.meet)
+    return carry_out(running, selection, compared, Output(folder))

@@ -4,8 +4,11 @@ The subject of a figure is, for example, the instant of an impact if the figure 
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from typing import Literal
 
+from bodycheck.adapters.contract import kind_of
+from bodycheck.adapters.touching import laws
 from bodycheck.casefile.case import load, shipped
 from bodycheck.casefile.content import Case
 from bodycheck.figures.columns import FIGURES
@@ -15,6 +18,19 @@ from bodycheck.reference.truths import Truth
 #: The tag of the shipped cases that are on the sheet.
 TAG = "contact"
 
+#: The groups of scenes that have settings of their own: a body slides flat on a level plane; bodies touch, and their laws have
+#: no restitution; bodies bounce.
+Group = Literal["plane", "contact", "impact"]
+
+#: The scenes in which settings are searched for, by their group: short ones, one of each motion that engines have in common. If
+#: none of them is selected, the `MOST_SEARCHED` shortest ones are taken.
+SEARCHED: Mapping[Group, tuple[str, ...]] = {
+    "plane": ("sliding-brick", "resting-brick", "spinning-brick-corners"),
+    "contact": ("rolling-ball", "block-up-a-ramp", "stack-mass-ratio", "falling-rod", "ball-rolls-to-rest"),
+    "impact": ("thrown-ball-with-spin", "ball-hits-ball-on-plane", "dropped-ball"),
+}
+MOST_SEARCHED = 6
+
 #: A value in exact mechanics, and the bound of its error.
 Known = tuple[float, float]
 
@@ -22,6 +38,19 @@ Known = tuple[float, float]
 def scenes() -> tuple[str, ...]:
     """Return the names of the shipped cases that are on the sheet."""
     return tuple(name for name in shipped() if TAG in load(name).tags)
+
+
+def group_of(case: Case) -> Group:
+    """Return the group of the scene of a case."""
+    if kind_of(case.scene) == "plane":
+        return "plane"
+    return "impact" if any(law.restitution for law in laws(case.scene)) else "contact"
+
+
+def searched(cases: Sequence[Case], group: Group) -> tuple[Case, ...]:
+    """Return the cases in which settings are searched for, of those of a group."""
+    chosen = [case for case in cases if case.name in SEARCHED[group]]
+    return tuple(chosen or sorted(cases, key=lambda case: case.duration)[:MOST_SEARCHED])
 
 
 def _first(truth: Truth, kind: EventKind) -> Event | None:
@@ -74,6 +103,7 @@ SUBJECTS: Mapping[str, Callable[[Case, Truth], Known | None]] = {
     "impact_momentum_error": _ideal,
     "rest_time_error": _time("rest"),
     "creep": _ideal,
+    "viscous_speed": _ideal,
     "penetration": _ideal,
     "energy_gain": _ideal,
     "load_error": _ideal,
