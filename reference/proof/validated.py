@@ -1,4 +1,4 @@
-"""The motion of a tree of links in balls, by a polynomial that is proved to be near to it.
+"""The motion of a tree of links in balls, by polynomials that are proved to be near to it.
 
 A candidate for the motion, which may come from anywhere, is interpolated by a polynomial p in each of many steps. Its defect is
 the effort r(t) that the motion p(t) needs beyond those that act. The defect is bounded by its Taylor series in balls, and what
@@ -7,25 +7,27 @@ from p obeys
 
     M e'' + C e' + G e = -r,
 
-with the derivatives M, C and G of the effort by accelerations, velocities and coordinates at points between both motions. In
-coordinates in which M is nearly the identity, the lengths Y of e and V of e' are at most the solution of Y' = V, V' = g Y + c V
-+ d with bounds g, c and d of the terms (Walter, Differential and Integral Inequalities, 1970), which is an exponential.
+with the derivatives M, C and G of the effort by accelerations, velocities and coordinates at points between both motions.
+Polynomials P near to the solutions of M P'' + C P' + G P = 0 (`flow`) have a defect R likewise. The coefficients u with
+e = P u and e' = P' u obey P u' = 0 and M P' u' = -r - R u, and are nearly constant in a step. From step to step they lie in a
+parallelepiped, whose axes are made orthogonal at each step in the order of their lengths (Lohner, 1987).
 """
 
 import math
 import time
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from flint import acb, arb, arb_mat, arb_poly, arb_series, ctx
+from flint import acb, arb, arb_mat, arb_poly, arb_series, ctx, fmpq
 
 from bodycheck.reference.proof.balls import Ball, ball, precision
-from bodycheck.reference.proof.derivatives import jacobians
+from bodycheck.reference.proof.derivatives import along, each_alone
 from bodycheck.reference.proof.enclosure import NotEnclosed
+from bodycheck.reference.proof.flow import flows
 from bodycheck.reference.proof.trees import Tree, efforts
 from bodycheck.reference.trajectory import Array
 
@@ -38,70 +40,23 @@ LOSS = 1.3
 #: Half of the length of a step, as a part of the time in which the fastest coordinate changes by one, and rounds of halving.
 HALF, ROUNDS = 0.22, 4
 
-#: The radius of the disc of Cauchy's estimate, as a multiple of half of a step.
+#: Bits of the nodes and of the lengths of steps, so that all times are doubles.
+NODE_BITS, LENGTH_BITS = 20, 12
+
+#: The radius of the disc of Cauchy's estimate, in units of half a step.
 DISC = 2.5
 
-#: The number of parts of a step in which derivatives are bounded, the order of the polynomials that are used there, and bits.
-PARTS, ORDER, COARSE_BITS = 8, 20, 64
+#: The order of the polynomials and series, and the bits, with which defects of motions beside the motion are bounded.
+ORDER, TERMS, COARSE_BITS = 24, 32, 64
 
-#: The largest distance (rad or m, and per s and s^2) of the exact motion from the polynomials, which the bounds assume.
+#: The numbers of parts of a step in which a matrix is inverted.
+PARTS = (4, 16, 64)
+
+#: The largest distance (rad or m, and per s) of the exact motion from the polynomials, which the bounds assume.
 TUBE = 2.0**-40
 
 #: A candidate: a function from ascending times (n,), s, and a number of bits to the coordinates of links (n, k), as balls.
 Candidate = Callable[[Array, int], list[list[Ball]]]
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """A polynomial near to the motion from `begin` to `end` (s), about `centre`, and bounds of its distance from it.
-
-    Attributes
-    ----------
-    begin, end, centre
-        Times (s).
-    polynomials
-        The polynomial of each coordinate.
-    scales
-        The lengths of the rows of the matrix from the coordinates of the bounds to those of the links.
-    apart, rate
-        Bounds of the lengths Y and V within the step.
-    """
-
-    begin: Fraction
-    end: Fraction
-    centre: Fraction
-    polynomials: list[Any]
-    scales: list[float]
-    apart: Ball
-    rate: Ball
-
-    def at(self, t: Fraction) -> tuple[list[Ball], list[Ball]]:
-        """The coordinates and their velocities at a time within the step."""
-        since = ball(t - self.centre)
-        pairs = list(zip(self.polynomials, self.scales, strict=True))
-        q = [_around(p(since), self.apart * ball(scale)) for p, scale in pairs]
-        v = [_around(p.derivative()(since), self.rate * ball(scale)) for p, scale in pairs]
-        return q, v
-
-
-def _around(value: Ball, radius: Ball) -> Ball:
-    return value + arb(0, radius.upper())
-
-
-def steps(tree: Tree, duration: Fraction, fastest: float, candidate: Candidate, bits: int, deadline: float) -> list[Step]:
-    """Return the steps of a motion from 0 to a duration (s), with the precision of the context.
-
-    They end earlier where errors grow too much for this precision, or the deadline has passed. fastest: a rate (1/s) at which
-    coordinates change. candidate: see `Candidate`. deadline: the last time of `time.perf_counter` (s). Raises `NotEnclosed` if
-    no step length leads to bounds.
-    """
-    half = HALF / fastest
-    for _ in range(ROUNDS):
-        try:
-            return _steps(tree, duration, half, candidate, bits, deadline)
-        except TooLong:
-            half /= 2
-    raise NotEnclosed("a mass matrix that changes too much within the shortest step")
 
 
 class TooLong(Exception):
@@ -112,225 +67,333 @@ class TooFar(Exception):
     """Errors grow beyond what the proof assumes."""
 
 
-def _steps(tree: Tree, duration: Fraction, half: float, candidate: Candidate, bits: int, deadline: float) -> list[Step]:
-    count = max(1, math.ceil(float(duration) / (2 * half)))
-    edges = [Fraction(float(duration) * number / count) for number in range(count)] + [duration]
-    nodes = max(12, round(NODES_PER_BIT * bits))
-    cosines = np.cos(np.pi * (2 * np.arange(nodes) + 1) / (2 * nodes))[::-1]
-    centres = [(begin + end) / 2 for begin, end in pairwise(edges)]
-    widths = [float(end - begin) / 2 for begin, end in pairwise(edges)]
-    times = np.concatenate([float(centre) + width * cosines for centre, width in zip(centres, widths, strict=True)])
-    digits = bits + round(LOSS * nodes)
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Polynomials in a step, in x = (t - centre) / half.
+
+    Attributes
+    ----------
+    centre, half
+        The centre of the step and half of its length (s).
+    motion
+        The polynomial of each coordinate.
+    beside
+        The polynomials P (n, 2 n) of the motions beside the motion.
+    """
+
+    centre: Fraction
+    half: Fraction
+    motion: list[Any]
+    beside: list[list[Any]]
+
+    @property
+    def end(self) -> Fraction:
+        """The end of the step (s)."""
+        return self.centre + self.half
+
+    def states(self, x: Ball) -> Any:
+        """The coordinates and their derivatives by x."""
+        return arb_mat([[p(x)] for p in self.motion] + [[p.derivative()(x)] for p in self.motion])
+
+    def deviations(self, x: Ball) -> Any:
+        """The matrix of P and its derivative by x."""
+        return arb_mat([[p(x) for p in row] for row in self.beside] + [[p.derivative()(x) for p in row] for row in self.beside])
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """The motion in a step: its distance from the polynomials is P (axes box + u), with |u| at most `slack`."""
+
+    part: Part
+    axes: Any
+    box: Any
+    slack: Ball
+
+    @property
+    def end(self) -> Fraction:
+        """The end of the step (s)."""
+        return self.part.end
+
+    def at(self, t: Fraction) -> tuple[list[Ball], list[Ball]]:
+        """The coordinates and their velocities at a time within the step."""
+        x, size = ball((t - self.part.centre) / self.part.half), len(self.part.motion)
+        states = self.part.states(x)
+        with precision(COARSE_BITS):
+            deviations = self.part.deviations(x)
+            off = deviations * self.axes * self.box + deviations * _cube(2 * size, self.slack)
+        states += off
+        return [states[i, 0] for i in range(size)], [states[size + i, 0] / ball(self.part.half) for i in range(size)]
+
+
+def steps(tree: Tree, duration: Fraction, pace: Callable[[float, float], float], candidate: Candidate, bits: int, deadline: float) -> list[Step]:
+    """Return the steps of a motion from 0 to a duration (s), with the precision of the context.
+
+    They end earlier where errors grow too much for this precision, or the deadline has passed. pace: the rate (1/s) at which
+    coordinates change between two times. candidate: see `Candidate`. deadline: the last time of `time.perf_counter` (s). Raises
+    `NotEnclosed` if no step length leads to bounds.
+    """
+    half = HALF
+    for _ in range(ROUNDS):
+        try:
+            return _carried(tree, _parts(tree, _mesh(duration, pace, half), candidate, bits), deadline)
+        except TooLong:
+            half /= 2
+    raise NotEnclosed("a mass matrix that changes too much within the shortest step")
+
+
+def _mesh(duration: Fraction, pace: Callable[[float, float], float], half: float) -> list[tuple[Fraction, Fraction]]:
+    """The centres and halves of steps that cover a duration (s)."""
+    end = float(duration)
+    count = max(1, math.ceil(end * pace(0.0, end) / (2 * half)))
+    slowest = min(pace(end * i / count, end * (i + 1) / count) for i in range(count))
+    count = max(1, math.ceil(end * slowest / (2 * half)))
+    unit = Fraction(2) ** (math.frexp(end / count)[1] - LENGTH_BITS)
+    width = math.ceil(Fraction(end) / count / unit) * unit
+    mesh: list[tuple[Fraction, Fraction]] = []
+    waiting = [(width * i, width) for i in range(count)][::-1]
+    while waiting:
+        begin, width = waiting.pop()
+        if begin >= duration:
+            break
+        if float(width) * pace(float(begin), float(begin + width)) > 2 * half:
+            waiting += [(begin + width / 2, width / 2), (begin, width / 2)]
+        else:
+            mesh.append((begin + width / 2, width / 2))
+    return mesh
+
+
+def _parts(tree: Tree, mesh: list[tuple[Fraction, Fraction]], candidate: Candidate, bits: int) -> list[Part]:
+    """The polynomials in all steps."""
+    count = max(12, round(NODES_PER_BIT * bits))
+    cosines = np.cos(np.pi * (2 * np.arange(count) + 1) / (2 * count))[::-1]
+    nodes = [Fraction(round(value * 2**NODE_BITS), 2**NODE_BITS) for value in cosines.tolist()]
+    times = np.array([float(centre + half * node) for centre, half in mesh for node in nodes])
+    digits = bits + round(LOSS * count)
     with precision(digits):
         values = candidate(times, digits)
+    size = len(tree.links)
+    with precision(2 * digits):
+        powers = arb_mat([[ball(node**power) for power in range(count)] for node in nodes])
+        columns = [[values[step * count + node][i] for step in range(len(mesh)) for i in range(size)] for node in range(count)]
+        coefficients = (powers.inv() * arb_mat(columns)).mid()
+    rows = coefficients.transpose().tolist()
+    doubles = np.array([[float(value) for value in row[: ORDER + 1]] for row in rows]).reshape(len(mesh), size, -1)
+    beside = flows(tree, doubles, np.array([float(half) for _, half in mesh]))
+    return [
+        Part(
+            *where,
+            [arb_poly(row) for row in rows[size * step : size * (step + 1)]],
+            [[arb_poly(beside[step, :, i, j].tolist()) for j in range(2 * size)] for i in range(size)],
+        )
+        for step, where in enumerate(mesh)
+    ]
+
+
+def _carried(tree: Tree, parts: list[Part], deadline: float) -> list[Step]:
+    """The steps with the polynomials of `parts`, as far as there are bounds and time."""
     done: list[Step] = []
-    last: _Bounds | None = None
-    for number, (centre, begin, end) in enumerate(zip(centres, edges[:-1], edges[1:], strict=True)):
-        rows = slice(number * nodes, (number + 1) * nodes)
-        xs = [ball(Fraction(instant) - centre) for instant in times[rows].tolist()]
-        columns = zip(*values[rows], strict=True)
-        with precision(2 * bits + round(2 * LOSS * nodes)):
-            polynomials = [_interpolated(xs, list(column)) for column in columns]
+    size = len(tree.links)
+    start = [ball(link.start) for link in tree.links] + [ball(link.velocity * parts[0].half) for link in tree.links]
+    last: Step | None = None
+    for part in parts:
+        axes, box = _begun(part, arb_mat([[value] for value in start]) if last is None else last)
         try:
-            last = _bounded(tree, polynomials, centre, begin, end, last)
+            slack = _slack(tree, part, axes * box)
         except TooFar:
             break
-        done.append(Step(begin, end, centre, polynomials, _scales(last.frame), last.apart, last.rate))
+        last = Step(part, axes, box, slack)
+        done.append(last)
         if time.perf_counter() > deadline:
             break
     return done
 
 
-def _scales(frame: Array) -> list[float]:
-    """The lengths of the rows of a matrix, rounded up."""
-    return [float(np.linalg.norm(row)) * (1 + 1e-9) for row in frame]
-
-
-def _interpolated(xs: list[Ball], values: list[Ball]) -> Any:
-    """The polynomial through some values, with the midpoints of coefficients: any polynomial will do."""
-    largest = xs[-1]
-    polynomial = arb_poly.interpolate([x / largest for x in xs], values)
-    coefficients, power = [], arb(1)
-    for value in polynomial.coeffs():
-        coefficients.append((value / power).mid())
-        power = power * largest
-    return arb_poly(coefficients)
-
-
-@dataclass(frozen=True, eq=False)
-class _Bounds:
-    """The bounds at the end of a step, in coordinates y with e = frame y, and its polynomials about its centre."""
-
-    frame: Array
-    apart: Ball
-    rate: Ball
-    polynomials: list[Any]
-    centre: Fraction
-
-
-def _bounded(
-    tree: Tree, polynomials: list[Any], centre: Fraction, begin: Fraction, end: Fraction, before: _Bounds | None
-) -> _Bounds:
-    """The bounds at the end of a step from those at the end of the step before it; None at the start of the motion."""
-    half = ball((end - begin) / 2)
-    defects = _defects(tree, polynomials, half)
-    frame = _frame(tree, polynomials)
-    apart, rate = _begun(tree, polynomials, frame, ball(begin - centre), begin, before)
-    coarse = [arb_poly(p.coeffs()[: ORDER + 1]) for p in polynomials]
+def _begun(part: Part, before: Any) -> tuple[Any, Any]:
+    """The axes and the box of a step from the step before it, or from the state at the start."""
+    size = len(part.motion)
+    if not isinstance(before, Step):
+        jump = before - part.states(arb(-1))
+        with precision(COARSE_BITS):
+            return _identity(2 * size), part.deviations(arb(-1)).solve(jump)
+    scale = [arb(1)] * size + [ball(part.half / before.part.half)] * size
+    ends = before.part.states(arb(1))
+    jump = arb_mat([[factor * ends[i, 0]] for i, factor in enumerate(scale)]) - part.states(arb(-1))
     with precision(COARSE_BITS):
-        rests = [_rest(p, half) for p in polynomials]
-        part = 2 * half / PARTS
-        sizes = [[ball(abs(value)) for value in column] for column in frame.T.tolist()]
-        defect = _norm([sum((size * each for size, each in zip(column, defects, strict=True)), arb(0)) for column in sizes])
-        scale = arb(max(_scales(frame)))
-        for number in range(PARTS):
-            middle = -half + part * (2 * number + 1) / 2
-            ranges = _ranges(coarse, rests, _around(middle, part / 2))
-            g, c, a = _growth(tree, frame, *ranges)
-            apart, rate = _grown(apart, rate, g, c, defect / (1 - a), part)
-            change = (g * apart + c * rate + defect) / (1 - a)
-            if not all(value.is_finite() and scale * value < arb(TUBE) for value in (apart, rate, change)):
+        now, ends = part.deviations(arb(-1)), before.part.deviations(arb(1))
+        ends = arb_mat([[factor * ends[i, j] for j in range(2 * size)] for i, factor in enumerate(scale)])
+        change = now.solve(ends)
+        carried = change * before.axes
+        axes = arb_mat(_orthogonal(_doubles(carried), [float(before.box[i, 0].abs_upper()) for i in range(2 * size)]))
+        back = axes.inv()
+        box = (back * carried) * before.box + (back * change) * _cube(2 * size, before.slack) + back * now.solve(jump)
+    return axes, box
+
+
+def _orthogonal(axes: Array, lengths: list[float]) -> list[list[float]]:
+    """Orthogonal axes near to some axes, the longest first."""
+    scaled = axes * np.maximum(np.array(lengths), 1e-300)
+    order = np.argsort(-np.linalg.norm(scaled, axis=0))
+    return np.linalg.qr(axes[:, order])[0].tolist()  # type: ignore[no-any-return]
+
+
+def _slack(tree: Tree, part: Part, begin: Any) -> Ball:
+    """A bound of the changes of the coefficients u within a step, in which they are `begin` at first."""
+    defects = arb_mat([[value] for value in _defects(tree, part)])
+    with precision(COARSE_BITS):
+        motion = _coarse(part)
+        beside, by_r, by_u = _defects_beside(tree, part, motion), arb(0), arb(0)
+        for inverse, rest in _inverses(tree, part, motion[0]):
+            by_r = _larger(by_r, _norm(inverse * defects) / rest)
+            by_u = _larger(by_u, _norm(inverse * beside) / rest)
+        if not by_u < 0.2:
+            raise TooLong
+        most = (_norm(begin) + 2 * by_r) / (1 - 2 * by_u)
+        rate = ball(1 / part.half)
+        for row in part.beside:
+            position = sum((_bound(p.coeffs(), arb(1)) for p in row), arb(0)) * most
+            velocity = sum((_bound(p.derivative().coeffs(), arb(1)) for p in row), arb(0)) * most * rate
+            if not (position < TUBE and velocity < TUBE):
                 raise TooFar
-    return _Bounds(frame, apart, rate, polynomials, centre)
+        return arb((2 * (by_r + by_u * most)).upper())
 
 
-def _defects(tree: Tree, polynomials: list[Any], half: Ball) -> list[Ball]:
+def _inverses(tree: Tree, part: Part, coordinates: list[Any]) -> list[tuple[Any, Ball]]:
+    """For parts of a step that cover it, the entries of a matrix A and a lower bound of 1 - |A K - 1|, where K = [P; M P'].
+
+    The entries are the absolute values of the columns of A that belong to M P', times half^2.
+    """
+    for count in PARTS:
+        pairs = [_inverse(tree, part, coordinates, arb((2 * i + 1) / count - 1, 1 / count)) for i in range(count)]
+        if all(rest > 0.1 for _, rest in pairs):
+            return pairs
+    raise TooLong
+
+
+def _inverse(tree: Tree, part: Part, coordinates: list[Any], x: Ball) -> tuple[Any, Ball]:
+    size = len(coordinates)
+    q = [p(x) for p in coordinates]
+    slopes = along(tree, (q, [0] * size, [0] * size), _turns(q), each_alone(size, 2))
+    mass = arb_mat([[arb(row.get(i, 0)) for i in range(size)] for row in slopes])
+    rows = part.deviations(x).tolist()
+    whole = arb_mat(rows[:size] + (mass * arb_mat(rows[size:])).tolist())
+    near = np.linalg.pinv(_doubles(whole))
+    square = ball(part.half**2)
+    return arb_mat((np.abs(near[:, size:])).tolist()) * square, 1 - _norm(arb_mat(near.tolist()) * whole - _identity(2 * size))
+
+
+def _turns(q: list[Any]) -> tuple[list[Any], list[Any]]:
+    """The sines and cosines of coordinates."""
+    return [value.sin() for value in q], [value.cos() for value in q]
+
+
+def _defects(tree: Tree, part: Part) -> list[Ball]:
     """Bounds of the defect of each joint within a step."""
-    terms = polynomials[0].degree() + 1
-    terms += terms // 2
+    bits = ctx.prec
+    terms = max(part.motion[0].degree() + 2, round(bits / math.log2(DISC)))
+    motion = _derived(part.motion, part.half)
+    series = _in_series(terms, lambda: _efforts(tree, [[arb_series(p.coeffs(), terms) for p in each] for each in motion]))
+    with precision(COARSE_BITS):
+        largest = _efforts(tree, [[_on_disc(p) for p in each] for each in motion])
+        return [_whole(of_series, of_disc, terms) for of_series, of_disc in zip(series, largest, strict=True)]
+
+
+def _defects_beside(tree: Tree, part: Part, motion: list[list[Any]]) -> Any:
+    """Bounds (n, 2 n) of the defects of the motions beside the motion, within a step and the tube around the motion."""
+    size = len(part.motion)
+    columns = [_derived([row[j] for row in part.beside], part.half) for j in range(2 * size)]
+
+    def slopes(seen: Callable[[Any], Any]) -> list[dict[int, Any]]:
+        q, v, a = ([seen(p) for p in each] for each in motion)
+        directions = [[{j: seen(columns[j][which][i]) for j in range(2 * size)} for i in range(size)] for which in range(3)]
+        return along(tree, (q, v, a), _turns(q), directions)
+
+    series = _in_series(TERMS, lambda: slopes(lambda p: arb_series(p.coeffs(), TERMS)))
+    largest = slopes(_on_disc)
+    return arb_mat([[_whole(series[i].get(j, 0), largest[i].get(j, 0), TERMS) for j in range(2 * size)] for i in range(size)])
+
+
+def _in_series(terms: int, compute: Callable[[], Any]) -> Any:
+    """The result of a computation with power series of some terms."""
     before, ctx.cap = ctx.cap, terms
     try:
-        q = [arb_series(p.coeffs(), terms) for p in polynomials]
-        v = [arb_series(p.derivative().coeffs(), terms) for p in polynomials]
-        a = [arb_series(p.derivative().derivative().coeffs(), terms) for p in polynomials]
-        series = efforts(tree, q, v, a, [each.sin() for each in q], [each.cos() for each in q])
+        return compute()
     finally:
         ctx.cap = before
-    with precision(COARSE_BITS):
-        disc = half * arb(DISC)
-        q, v, a = ([_on_disc(part, disc) for part in parts] for parts in _with_derivatives(polynomials))
-        largest = efforts(tree, q, v, a, [each.sin() for each in q], [each.cos() for each in q])
-        tail = (half / disc) ** terms / (1 - half / disc)
-        bounds = []
-        for defect, most in zip(series, largest, strict=True):
-            coefficients = defect.coeffs() if isinstance(defect, arb_series) else [arb(defect)]
-            top = abs(most).upper() if not isinstance(most, int) else arb(abs(most))
-            bounds.append(arb((_series_bound(coefficients, half) + top * tail).upper()))
-    return bounds
 
 
-def _with_derivatives(polynomials: list[Any]) -> list[list[Any]]:
-    first = [p.derivative() for p in polynomials]
-    return [polynomials, first, [p.derivative() for p in first]]
+def _efforts(tree: Tree, motion: Sequence[list[Any]]) -> list[Any]:
+    q, v, a = motion
+    return efforts(tree, q, v, a, *_turns(q))
 
 
-def _series_bound(coefficients: Sequence[Ball], half: Ball) -> Ball:
-    whole, power = arb(0), arb(1)
-    for value in coefficients:
-        whole, power = whole + abs(value) * power, power * half
+def _derived(polynomials: list[Any], half: Fraction) -> list[list[Any]]:
+    """Polynomials in x with their first and second derivatives by time."""
+    rate = ball(1 / half)
+    first = [p.derivative() * rate for p in polynomials]
+    return [polynomials, first, [p.derivative() * rate for p in first]]
+
+
+def _coarse(part: Part) -> list[list[Any]]:
+    """The coordinates, velocities and accelerations in the tube around the motion as polynomials of low order, with balls."""
+    motion = []
+    for tube, polynomials in zip((TUBE, TUBE, 0.0), _derived(part.motion, part.half), strict=True):
+        each = []
+        for p in polynomials:
+            first, *rest = p.coeffs()[: ORDER + 1] or [arb(0)]
+            off = _bound(p.coeffs()[ORDER + 1 :], arb(1)) + tube
+            each.append(arb_poly([_around(first, off), *rest]))
+        motion.append(each)
+    return motion
+
+
+def _whole(series: Any, largest: Any, terms: int) -> Ball:
+    """A bound of a function within a step, from its series in x and its largest value on the disc."""
+    coefficients = series.coeffs() if isinstance(series, arb_series) else [arb(series)]
+    top = arb(abs(largest)) if isinstance(largest, int) else arb(abs(largest).upper())
+    tail = arb(DISC) ** -terms / (1 - 1 / arb(DISC))
+    return arb((_bound(coefficients, arb(1)) + top * tail).upper())
+
+
+def _bound(coefficients: Sequence[Ball], radius: Ball) -> Ball:
+    """A bound of a series on a disc."""
+    whole = arb(0)
+    for value in reversed(coefficients):
+        whole = whole * radius + abs(value)
     return whole
 
 
-def _on_disc(polynomial: Any, radius: Ball) -> Any:
-    """The values of a polynomial on a disc about 0, as a complex ball."""
+def _on_disc(polynomial: Any) -> Any:
+    """The values of a polynomial on the disc, as a complex ball."""
     first, *rest = polynomial.coeffs() or [arb(0)]
-    most = (_series_bound(rest, radius) * radius).upper()
+    most = (_bound(rest, arb(DISC)) * DISC).upper()
     return acb(arb(first), arb(0)) + acb(arb(0, most), arb(0, most))
 
 
-def _rest(polynomial: Any, half: Ball) -> tuple[Ball, Ball, Ball]:
-    """Bounds of the terms after `ORDER` of a polynomial and its derivatives within a step."""
-    coefficients = [arb(0)] * (ORDER + 1) + polynomial.coeffs()[ORDER + 1 :]
-    rest = arb_poly(coefficients)
-    first = rest.derivative()
-    of_all = [_series_bound(p.coeffs(), half) for p in (rest, first, first.derivative())]
-    return of_all[0], of_all[1], of_all[2]
+def _around(value: Ball, radius: Ball) -> Ball:
+    return value + arb(0, radius.upper())
 
 
-def _ranges(coarse: list[Any], rests: list[tuple[Ball, Ball, Ball]], t: Ball) -> list[list[Ball]]:
-    """The coordinates, velocities and accelerations within a part of a step, and in the tube around them."""
-    ranges = []
-    for index, polynomials in enumerate(_with_derivatives(coarse)):
-        ranges.append([_around(p(t), rest[index] + arb(TUBE)) for p, rest in zip(polynomials, rests, strict=True)])
-    return ranges
+def _identity(size: int) -> Any:
+    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
 
 
-def _frame(tree: Tree, polynomials: list[Any]) -> Array:
-    """A matrix of doubles that makes the mass matrix in the middle of a step nearly the identity: frame^T M frame = 1."""
-    with precision(COARSE_BITS):
-        q = [p(arb(0)) for p in polynomials]
-        still = [arb(0)] * len(q)
-        mass = np.array([[float(value) for value in row] for row in jacobians(tree, q, still, still)[2]])
-    try:
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(mass)).T)
-    except np.linalg.LinAlgError:
-        raise NotEnclosed("a mass matrix that is singular") from None
+def _cube(size: int, half: Ball) -> Any:
+    """A vector of balls about 0."""
+    return arb_mat([[arb(0, half.upper())] for _ in range(size)])
 
 
-def _growth(tree: Tree, frame: Array, q: list[Ball], v: list[Ball], a: list[Ball]) -> tuple[Ball, Ball, Ball]:
-    """Bounds of the terms by coordinates and by velocities, and of the distance of the mass matrix from the identity."""
-    by_q, by_v, by_a = (_seen(frame, rows) for rows in jacobians(tree, q, v, a))
-    for index in range(len(frame)):
-        by_a[index][index] = by_a[index][index] - 1
-    a_part = _norm([entry for row in by_a for entry in row])
-    if not a_part < 0.9:
-        raise TooLong
-    rest = 1 - a_part
-    g, c = (_norm([entry for row in rows for entry in row]) / rest for rows in (by_q, by_v))
-    return g, c, a_part
+def _doubles(matrix: Any) -> Array:
+    return np.array([[float(value) for value in row] for row in matrix.tolist()])
 
 
-def _seen(frame: Array, rows: list[list[Ball]]) -> list[list[Ball]]:
-    """The matrix frame^T rows frame."""
-    turn = arb_mat([[arb(value) for value in row] for row in frame.tolist()])
-    seen = turn.transpose() * arb_mat([list(row) for row in rows]) * turn
-    return [[seen[i, j] for j in range(len(frame))] for i in range(len(frame))]
+def _norm(matrix: Any) -> Ball:
+    """An upper bound of the largest sum of absolute values in a row."""
+    whole = arb(0)
+    for row in matrix.tolist():
+        whole = _larger(whole, sum((abs(value) for value in row), arb(0)))
+    return whole
 
 
-def _norm(entries: list[Ball]) -> Ball:
-    """An upper bound of the root of the sum of squares, as an exact number."""
-    return arb(sum((entry * entry for entry in entries), arb(0)).upper().sqrt().upper())
-
-
-def _begun(
-    tree: Tree, polynomials: list[Any], frame: Array, since: Ball, begin: Fraction, before: _Bounds | None
-) -> tuple[Ball, Ball]:
-    """Bounds of the distance of the motion from the polynomials at the begin of a step."""
-    inverse = arb_mat([[arb(value) for value in row] for row in frame.tolist()]).inv()
-    size = len(frame)
-    now = [[p(since) for p in polynomials], [p.derivative()(since) for p in polynomials]]
-    if before is None:
-        was = [[ball(link.start) for link in tree.links], [ball(link.velocity) for link in tree.links]]
-        apart = rate = arb(0)
-    else:
-        then = ball(begin - before.centre)
-        was = [[p(then) for p in before.polynomials], [p.derivative()(then) for p in before.polynomials]]
-        old = arb_mat([[arb(value) for value in row] for row in before.frame.tolist()])
-        change = inverse * old
-        factor = _spectral(change)
-        apart, rate = factor * before.apart, factor * before.rate
-    jumps = []
-    for one, other in zip(now, was, strict=True):
-        jump = inverse * arb_mat([[x - y] for x, y in zip(one, other, strict=True)])
-        jumps.append(_norm([jump[i, 0] for i in range(size)]))
-    return arb((apart + jumps[0]).upper()), arb((rate + jumps[1]).upper())
-
-
-def _spectral(matrix: Any) -> Ball:
-    """An upper bound of the spectral norm of a matrix: the root of the product of its largest sums of rows and of columns."""
-    size = matrix.nrows()
-    entries = [[abs(matrix[i, j]).upper() for j in range(size)] for i in range(size)]
-    rows = max((sum(row, arb(0)) for row in entries), key=lambda value: float(value.mid()))
-    columns = max((sum(column, arb(0)) for column in zip(*entries, strict=True)), key=lambda value: float(value.mid()))
-    return arb((rows * columns).upper().sqrt().upper())
-
-
-def _grown(apart: Ball, rate: Ball, g: Ball, c: Ball, defect: Ball, t: Ball) -> tuple[Ball, Ball]:
-    """The bounds after a time, from Y' = V, V' = g Y + c V + defect.
-
-    The exponential grows with time, so that a defect does not more than if it acted all at once in the beginning.
-    """
-    flow = arb_mat(2, 2, [arb(0), t, g * t, c * t]).exp()
-    begin = rate + defect * t
-    after = [flow[i, 0] * apart + flow[i, 1] * begin for i in (0, 1)]
-    return arb(after[0].upper()), arb(after[1].upper())
+def _larger(one: Ball, other: Ball) -> Ball:
+    """The larger of two upper bounds."""
+    return arb(one.max(other).upper())
