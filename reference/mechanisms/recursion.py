@@ -98,6 +98,20 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     return _of_courses(mechanism, courses, instants, kind)
 
 
+def coordinates(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits: int | None = None) -> WideArray:
+    """The coordinates (n, c) of the joints of a mechanism without loops, without the states of its bodies.
+
+    The arguments and errors are those of `follow`.
+    """
+    kind, whole = FloatType(dtype, bits), forest(mechanism)
+    states = [solver()(tree, times, kind).links for tree in whole.trees]
+    frames = []
+    if any(joint.type == "free" for joint in mechanism.joints):
+        links = [poses.link_frames(tree, each, len(times), kind) for tree, each in zip(whole.trees, states, strict=True)]
+        frames = poses.body_frames(whole, links, len(times), kind)
+    return poses.joints(mechanism, whole, states, frames, len(times), kind)[0]
+
+
 def _of_courses(mechanism: Mechanism, courses: Sequence[Course], instants: Array, kind: FloatType) -> JointStates:
     """The motion of a mechanism from the motions of its trees at instants (n,), s."""
     states = joined(mechanism, [course.links for course in courses], instants, kind)

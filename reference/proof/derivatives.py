@@ -48,9 +48,7 @@ class Slope:
 Turns = tuple[Sequence[Number], Sequence[Number]]
 
 
-def along(
-    tree: Tree, motion: Sequence[Sequence[Number]], turns: Turns, directions: Sequence[Sequence[Slopes]]
-) -> list[Slopes]:
+def along(tree: Tree, motion: Sequence[Sequence[Number]], turns: Turns, directions: Sequence[Sequence[Slopes]]) -> list[Slopes]:
     """Return the derivatives of all efforts along directions.
 
     motion: coordinates, velocities and accelerations. directions: the derivatives of these along the directions.

@@ -1,8 +1,8 @@
 """Polynomials near to the motions beside a motion of a tree, in doubles.
 
-The motions beside a motion obey M y'' + C y' + G y = 0 with the derivatives M, C and G of the efforts by accelerations, velocities
-and coordinates. In each step there are twice as many of them as coordinates, those that begin in its centre with unit
-deviations; they are found by collocation. Nothing here is proved, and nothing has to be: `validated` bounds their errors.
+The motions beside a motion obey M y'' + C y' + G y = 0 with the derivatives M, C and G of the efforts by accelerations,
+velocities and coordinates. In each step there are twice as many of them as coordinates, those that begin in its centre with
+unit deviations; they are found by collocation. Nothing here is proved, and nothing has to be: `validated` bounds their errors.
 """
 
 from collections.abc import Sequence

@@ -27,8 +27,8 @@ from bodycheck.reference.proof.balls import (
     upper,
 )
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
+from bodycheck.reference.proof.polynomials import Candidate
 from bodycheck.reference.proof.trees import poses, tree_of
-from bodycheck.reference.proof.validated import Candidate
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -153,7 +153,7 @@ def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None
     def ordered(times: Array, digits: int) -> list[list[Ball]]:
         return [[row[column] for column in tree.columns] for row in candidate(times, digits)]
 
-    steps = validated.steps(tree, end, _pace(printed), ordered, bits, deadline)
+    steps = validated.steps(tree, end, ordered, bits, deadline)
     if not steps:
         raise NotEnclosed("a tree whose errors grow at once")
     ends = [step.end for step in steps]
@@ -164,23 +164,6 @@ def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None
 
     way = f"validated polynomials of degree {steps[0].part.motion[0].degree()}, {len(steps)} steps"
     return Motion(way, at, None if ends[-1] == end else ends[-1])
-
-
-def _pace(printed: Trajectory) -> Callable[[float, float], float]:
-    """The rate (1/s) at which the states of a printed motion change between two times, by turning and by acceleration."""
-    several = printed.angular_velocity.reshape(-1, *printed.angular_velocity.shape[-2:])
-    gaps = np.diff(printed.t)
-    changes = np.linalg.norm(np.diff(several, axis=1), axis=-1) / np.where(gaps > 0, gaps, np.inf)
-    spins = np.linalg.norm(several, axis=-1).max(axis=0)
-    turns = np.sqrt(changes.max(axis=0, initial=0.0))
-    least = 1 / max(float(printed.t[-1]), 1e-3)
-
-    def pace(begin: float, end: float) -> float:
-        first, last = np.searchsorted(printed.t, (begin, end))
-        near = slice(max(int(first) - 2, 0), int(last) + 2)
-        return max(float(spins[near].max(initial=0.0)), float(turns[near].max(initial=0.0)), least)
-
-    return pace
 
 
 def _flight(scene: Scene) -> States:

@@ -21,7 +21,7 @@ from flint import arb
 
 from bodycheck.reference.proof import proving, trees
 from bodycheck.reference.proof.balls import precision
-from bodycheck.reference.proof.derivatives import jacobians
+from bodycheck.reference.proof.derivatives import along, each_alone
 
 
 def two_links(seed: int) -> Mechanism:
@@ -122,13 +122,14 @@ def test_derivatives_are_those_of_the_efforts() -> None:
         def efforts(values: list[list[arb]]) -> list[arb]:
             return trees.efforts(tree, *values, [q.sin() for q in values[0]], [q.cos() for q in values[0]])  # type: ignore[call-arg]
 
-        exact, step = jacobians(tree, *point), arb(2) ** -60  # type: ignore[call-arg]
+        turns = [q.sin() for q in point[0]], [q.cos() for q in point[0]]
+        exact, step = [along(tree, point, turns, each_alone(size, part)) for part in range(3)], arb(2) ** -60  # type: ignore[call-arg]
         for part in range(3):
             for index in range(size):
                 moved = [list(row) for row in point]
                 moved[part][index] += step
                 slopes = [(a - b) / step for a, b in zip(efforts(moved), efforts(point), strict=True)]
-                assert all(abs(slope - exact[part][row][index]) < 1e-15 for row, slope in enumerate(slopes))
+                assert all(abs(slope - exact[part][row].get(index, 0)) < 1e-15 for row, slope in enumerate(slopes))
         mass = exact[2]
         assert all(mass[i][j].overlaps(mass[j][i]) for i in range(size) for j in range(size))
 
