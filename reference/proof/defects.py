@@ -13,8 +13,9 @@ from flint import acb, arb, arb_mat, arb_poly, arb_series, ctx
 
 from bodycheck.reference.proof.balls import Ball, ball, precision
 from bodycheck.reference.proof.derivatives import along
+from bodycheck.reference.proof.dynamics import efforts
 from bodycheck.reference.proof.polynomials import COARSE_BITS, Part, doubles_of, identity
-from bodycheck.reference.proof.trees import Tree, efforts
+from bodycheck.reference.proof.trees import Tree
 
 #: The radius of the disc of Cauchy's estimate, in units of half a step.
 DISC = 2.5

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from bodycheck.reference.proof.trees import Number, Tree, efforts, negative, plus, times
+from bodycheck.reference.proof.dynamics import efforts, negative, plus, times
+from bodycheck.reference.proof.trees import Number, Tree
 
 #: The derivatives of a number along directions, by their indices; those that are missing are zero.
 Slopes = dict[int, Number]
@@ -28,6 +29,9 @@ class Slope:
         return Slope(plus(self.value, other.value), slopes)
 
     __radd__ = __add__
+
+    def __sub__(self, other: "Slope") -> "Slope":
+        return self + -other
 
     def __neg__(self) -> "Slope":
         return Slope(negative(self.value), {index: negative(slope) for index, slope in self.slopes.items()})

@@ -103,17 +103,16 @@ def mesh(tree: Tree, duration: Fraction, candidate: Candidate) -> list[tuple[Fra
 
 def _too_long(tree: Tree, steps: list[tuple[Fraction, Fraction]], candidate: Candidate) -> list[bool]:
     """Whether each step is too long for polynomials of few terms, as doubles show."""
-    doubles = _interpolated(steps, COUNT, candidate, COARSE_BITS, len(tree.links))
+    doubles = _interpolated(steps, COUNT, candidate, COARSE_BITS, tree.size)
     series = np.array([[[float(value) for value in row] for row in rows] for rows in doubles])
     by_chebyshev = np.abs(series @ _monomials().T)
-    turns = [i for i, link in enumerate(tree.links) if not link.slides]
-    fast = by_chebyshev[:, turns, 1:].sum(axis=2).max(axis=1, initial=0.0) > TURN
+    fast = by_chebyshev[:, tree.turning, 1:].sum(axis=2).max(axis=1, initial=0.0) > TURN
     rough = by_chebyshev[:, :, -2:].max(axis=2) > SMALL_LAST * by_chebyshev[:, :, 1:].max(axis=2) + ROUNDING * (
         1 + by_chebyshev[:, :, 0]
     )
     beside = np.abs(flows(tree, series, np.array([float(half) for _, half in steps])))
     last = beside[:, -2:].max(axis=(1, 2, 3)) > SMALL_BESIDE * beside.max(axis=(1, 2, 3))
-    return (fast | rough.any(axis=1) | last).tolist()
+    return [bool(value) for value in fast | rough.any(axis=1) | last]
 
 
 def _monomials() -> Array:
@@ -141,7 +140,7 @@ def _interpolated(
 
 def parts(tree: Tree, steps: list[tuple[Fraction, Fraction]], candidate: Candidate, bits: int) -> list[Part]:
     """Return the polynomials in all steps, for bounds in some bits."""
-    size, count = len(tree.links), max(12, round(NODES_PER_BIT * bits))
+    size, count = tree.size, max(12, round(NODES_PER_BIT * bits))
     rows = _interpolated(steps, count, candidate, bits + round(LOSS * count), size)
     doubles = np.array([[[float(value) for value in row[:ORDER]] for row in each] for each in rows])
     beside = flows(tree, doubles, np.array([float(half) for _, half in steps]))

@@ -26,9 +26,10 @@ from bodycheck.reference.proof.balls import (
     triple,
     upper,
 )
+from bodycheck.reference.proof.dynamics import joint_states, poses
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
 from bodycheck.reference.proof.polynomials import Candidate
-from bodycheck.reference.proof.trees import poses, tree_of
+from bodycheck.reference.proof.trees import tree_of
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -39,7 +40,7 @@ CLOSED_FORM = "closed form in ball arithmetic"
 BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
 
 #: The precisions that are tried for trees, and the largest number of their links: the candidate of more takes minutes.
-BITS_OF_TREES, MOST_LINKS = (128, 192, 256, 384), 5
+BITS_OF_TREES, MOST_LINKS = (144, 208, 288, 400), 8
 
 #: The time limit of a proof (s).
 TIME_LIMIT_S = 60.0
@@ -76,7 +77,7 @@ def enclosed(
     for bits in tried:
         with precision(bits):
             try:
-                motion = _motion(scene, printed, candidate, bits, begin + limit)
+                motion = _motion(scene, printed, joints, candidate, bits, begin + limit)
                 compared = _compared(motion, printed, joints)
             except NotEnclosed as error:
                 reason = error
@@ -95,15 +96,16 @@ def enclosed(
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """The states of a motion at an instant: coordinates of joints with their velocities, and of each body in balls."""
+    """The states of a motion at an instant in balls: the coordinates and velocities of joints, and the states of each body."""
 
-    coordinates: list[tuple[Ball, Ball]]
+    position: list[Ball]
+    velocity: list[Ball]
     bodies: list[tuple[Triple, Matrix, Triple, Triple]]
 
     @property
     def radius(self) -> float:
         """The largest radius of a ball; infinite if one has no bound."""
-        entries = [value for pair in self.coordinates for value in pair]
+        entries = [*self.position, *self.velocity]
         for position, attitude, velocity, rates in self.bodies:
             entries += [*position, *velocity, *rates, *(entry for line in attitude for entry in line)]
         return max(float(entry.rad()) for entry in entries) if all(entry.is_finite() for entry in entries) else math.inf
@@ -122,16 +124,18 @@ class Motion:
     until: Fraction | None = None
 
 
-def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
+def _motion(
+    scene: AnyScene, printed: Trajectory, joints: JointMotion | None, candidate: Candidate | None, bits: int, deadline: float
+) -> Motion:
     """The motion of a scene in balls."""
     if isinstance(scene, Mechanism):
         if not one_joint.has_closed_form(scene):
-            return _tree(scene, printed, candidate, bits, deadline)
+            return _tree(scene, printed, joints, candidate, bits, deadline)
         of_joint = one_joint.states(scene)
 
         def at(t: Fraction) -> Shown:
-            coordinate, *states = of_joint(t)
-            return Shown([coordinate], [tuple(states)])  # type: ignore[list-item]
+            (position, velocity), *states = of_joint(t)
+            return Shown([position], [velocity], [tuple(states)])  # type: ignore[list-item]
 
         return Motion(CLOSED_FORM, at)
     for kind, there in (("a plane", scene.plane is not None), ("drag", scene.drag), ("pushes", scene.pushes)):
@@ -140,7 +144,14 @@ def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, b
     return Motion(CLOSED_FORM, _flight(scene))
 
 
-def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
+def _tree(
+    mechanism: Mechanism,
+    printed: Trajectory,
+    joints: JointMotion | None,
+    candidate: Candidate | None,
+    bits: int,
+    deadline: float,
+) -> Motion:
     """The motion of a tree, by a polynomial near to a candidate for it."""
     tree = tree_of(mechanism)
     if len(tree.links) > MOST_LINKS:
@@ -148,7 +159,7 @@ def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None
     if candidate is None:
         raise NotEnclosed("a tree, whose candidate needs heyoka, which is not installed")
     end = Fraction(float(printed.t[-1]))
-    order = np.argsort(tree.columns)
+    count = joints.position.shape[1] if joints else 0
 
     def ordered(times: Array, digits: int) -> list[list[Ball]]:
         return [[row[column] for column in tree.columns] for row in candidate(times, digits)]
@@ -160,7 +171,7 @@ def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None
 
     def at(t: Fraction) -> Shown:
         q, v = steps[bisect_left(ends, t)].at(t)
-        return Shown([(q[index], v[index]) for index in order], poses(tree, q, v))
+        return Shown(*joint_states(tree, q, v, count), poses(tree, q, v))
 
     way = f"validated polynomials of degree {steps[0].part.motion[0].degree()}, {len(steps)} steps"
     return Motion(way, at, None if ends[-1] == end else ends[-1])
@@ -174,7 +185,7 @@ def _flight(scene: Scene) -> States:
     def at(t: Fraction) -> Shown:
         attitude, rates = rotation(t)
         position = triple([x + v * t + g * t * t / 2 for x, v, g in zip(begin, speed, gravity, strict=True)])
-        return Shown([], [(position, attitude, triple([v + g * t for v, g in zip(speed, gravity, strict=True)]), rates)])
+        return Shown([], [], [(position, attitude, triple([v + g * t for v, g in zip(speed, gravity, strict=True)]), rates)])
 
     return at
 
@@ -214,9 +225,9 @@ def _distances(shown: Shown, printed: Trajectory, joints: JointMotion | None, ro
         distances["velocity_error"].append(distance(velocity, _balls(body.velocity[row])))
         distances["angular_velocity_error"].append(distance(rates, _balls(body.angular_velocity[row])))
     if joints is not None:
-        for side, (name, given) in enumerate(zip(COORDINATES, (joints.position, joints.velocity), strict=True)):
-            pairs = zip(shown.coordinates, given[row].tolist(), strict=True)
-            distances[name] = [abs(pair[side] - ball(value)) for pair, value in pairs]
+        both = (shown.position, joints.position), (shown.velocity, joints.velocity)
+        for name, (balls, given) in zip(COORDINATES, both, strict=True):
+            distances[name] = [abs(one - ball(value)) for one, value in zip(balls, given[row].tolist(), strict=True)]
     return distances
 
 

@@ -75,7 +75,8 @@ def steps(tree: Tree, duration: Fraction, candidate: Candidate, bits: int, deadl
 def _carried(tree: Tree, parts: list[Part], deadline: float) -> list[Step]:
     """The steps with the polynomials of `parts`, as far as there are bounds and time."""
     done: list[Step] = []
-    start = [ball(link.start) for link in tree.links] + [ball(link.velocity * parts[0].half) for link in tree.links]
+    start = [value for link in tree.links for value in link.start]
+    start += [value * ball(parts[0].half) for link in tree.links for value in link.velocity]
     last: Step | None = None
     for part in parts:
         axes, box = _begun(part, arb_mat([[value] for value in start]) if last is None else last)

@@ -19,7 +19,7 @@ pytest.importorskip("heyoka")
 
 from flint import arb
 
-from bodycheck.reference.proof import proving, trees
+from bodycheck.reference.proof import dynamics, proving, trees
 from bodycheck.reference.proof.balls import precision
 from bodycheck.reference.proof.derivatives import along, each_alone
 
@@ -120,7 +120,7 @@ def test_derivatives_are_those_of_the_efforts() -> None:
         point = [[arb(float(value)) for value in row] for row in rng.normal(size=(3, size))]
 
         def efforts(values: list[list[arb]]) -> list[arb]:
-            return trees.efforts(tree, *values, [q.sin() for q in values[0]], [q.cos() for q in values[0]])  # type: ignore[call-arg]
+            return dynamics.efforts(tree, *values, [q.sin() for q in values[0]], [q.cos() for q in values[0]])  # type: ignore[call-arg]
 
         turns = [q.sin() for q in point[0]], [q.cos() for q in point[0]]
         exact, step = [along(tree, point, turns, each_alone(size, part)) for part in range(3)], arb(2) ** -60  # type: ignore[call-arg]
