@@ -9,10 +9,11 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from flint import arb
 
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.proof import bodies, free_body, one_joint, validated
+from bodycheck.reference.proof import bodies, free_body, one_joint, rest, validated
 from bodycheck.reference.proof.balls import (
     Ball,
     Matrix,
@@ -39,8 +40,8 @@ CLOSED_FORM = "closed form in ball arithmetic"
 #: The precisions (bits) that are tried in turn, and the radius of balls that is small enough (rad, m and the like).
 BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
 
-#: The precisions that are tried for trees, and the largest number of their links: the candidate of more takes minutes.
-BITS_OF_TREES, MOST_LINKS = (144, 208, 288, 400), 8
+#: The precisions that are tried for trees, and the largest number of their coordinates: the candidate of more takes minutes.
+BITS_OF_TREES, MOST_COORDINATES = (144, 208, 288, 400), 8
 
 #: The time limit of a proof (s).
 TIME_LIMIT_S = 60.0
@@ -153,13 +154,15 @@ def _tree(
     deadline: float,
 ) -> Motion:
     """The motion of a tree, by a polynomial near to a candidate for it."""
+    count = joints.position.shape[1] if joints else 0
+    if any(joint.friction for joint in mechanism.joints):
+        return _held(mechanism, count)
     tree = tree_of(mechanism)
-    if len(tree.links) > MOST_LINKS:
-        raise NotEnclosed(f"a tree of more than {MOST_LINKS} links")
+    if tree.size > MOST_COORDINATES:
+        raise NotEnclosed(f"a tree of more than {MOST_COORDINATES} coordinates")
     if candidate is None:
         raise NotEnclosed("a tree, whose candidate needs heyoka, which is not installed")
     end = Fraction(float(printed.t[-1]))
-    count = joints.position.shape[1] if joints else 0
 
     def ordered(times: Array, digits: int) -> list[list[Ball]]:
         return [[row[column] for column in tree.columns] for row in candidate(times, digits)]
@@ -175,6 +178,15 @@ def _tree(
 
     way = f"validated polynomials of degree {steps[0].part.motion[0].degree()}, {len(steps)} steps"
     return Motion(way, at, None if ends[-1] == end else ends[-1])
+
+
+def _held(mechanism: Mechanism, count: int) -> Motion:
+    """The rest of a tree that dry friction holds; its method names the joints that need all of it. count: of coordinates."""
+    tree, q, at_limit = rest.held(mechanism)
+    still = [arb(0)] * tree.size
+    shown = Shown(*joint_states(tree, q, still, count), poses(tree, q, still))
+    limit = f", which is just enough at {' and '.join(at_limit)}" if at_limit else ""
+    return Motion(f"rest that dry friction holds{limit}", lambda t: shown)
 
 
 def _flight(scene: Scene) -> States:

@@ -10,6 +10,7 @@ from typing import Any
 
 from flint import arb
 
+from bodycheck.reference.mechanisms.control import Controller, Signal
 from bodycheck.reference.mechanisms.coordinates import places as layout
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, ElementaryMotion, MotionKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism, breadth_first
@@ -132,7 +133,10 @@ def tree_of(mechanism: Mechanism) -> Tree:
         ("a plane", mechanism.plane is not None),
         ("contacts", mechanism.contacts),
         ("pushes", mechanism.pushes),
-        ("a controller in a tree", mechanism.controllers),
+        (
+            "a law in a tree that is sampled, limited, integrates or follows a signal",
+            any(not is_linear(c) for c in mechanism.controllers),
+        ),
         ("stops in a tree", any(joint.stops is not None for joint in mechanism.joints)),
         ("dry friction in a tree", any(joint.friction for joint in mechanism.joints)),
         ("joints that follow others", any(joint.mimic for joint in mechanism.joints)),
@@ -149,8 +153,10 @@ def tree_of(mechanism: Mechanism) -> Tree:
             places[index] = _freed(tree, body)
             free, first = free + 7, free
         else:
-            places[index] = _jointed(tree, joint, places[joint.parent])
-            first = columns[mechanism.joints.index(joint)][0].start
+            number = mechanism.joints.index(joint)
+            laws = [each for each in mechanism.controllers if each.joint == number]
+            places[index] = _jointed(tree, joint, laws, places[joint.parent])
+            first = columns[number][0].start
         tree.columns += range(first, first + tree.size - len(tree.columns))
         _put(tree, index, body, *places[index])
     return tree
@@ -168,14 +174,34 @@ def _freed(tree: Tree, body: JointedBody) -> Place:
     return link, UNIT, (-x, -y, -z)
 
 
-def _jointed(tree: Tree, joint: Joint, place: Place) -> Place:
-    """Append the links of a joint on the place of its parent, and return the place of its child."""
+def is_linear(controller: Controller) -> bool:
+    """Return whether the effort of a controller is a constant, less those of a spring and a damper."""
+    signals = (controller.target, controller.target_velocity, controller.effort)
+    bounded = controller.rate is not None or controller.effort_limit is not None or controller.no_load_speed is not None
+    return not (bounded or controller.ki) and all(isinstance(signal, int | float) for signal in signals)
+
+
+def _passive(joint: Joint, laws: Sequence[Controller]) -> Passive:
+    """The constants of a joint with controllers, see `is_linear`."""
+    damping, stiffness, rest, effort = map(Fraction, (joint.damping, joint.stiffness, joint.rest, joint.effort))
+    for law in laws:
+        kp, kd = (Fraction(law.kp), Fraction(law.kd)) if law.law == "pd" else (Fraction(0), Fraction(0))
+        damping, stiffness = damping + kd, stiffness + kp
+        effort += kp * (_constant(law.target) - rest) + kd * _constant(law.target_velocity) + _constant(law.effort)
+    constants = (Fraction(joint.armature), damping, stiffness, rest, effort)
+    armature, damping, stiffness, rest, effort = (simple(ball(value)) for value in constants)
+    return armature, damping, stiffness, rest, effort
+
+
+def _constant(signal: Signal) -> Fraction:
+    assert isinstance(signal, int | float)
+    return Fraction(signal)
+
+
+def _jointed(tree: Tree, joint: Joint, laws: Sequence[Controller], place: Place) -> Place:
+    """Append the links of a joint with controllers on the place of its parent, and return the place of its child."""
     link, turn, origin = place
     origin = vector_sum(origin, applied(turn, triple(joint.position)))
-    armature, damping, stiffness, rest, effort = (
-        simple(ball(value)) for value in (joint.armature, joint.damping, joint.stiffness, joint.rest, joint.effort)
-    )
-    passive = (armature, damping, stiffness, rest, effort)
     motions, states = joint.form.motions, list[States]()
     start, velocity = list(joint.start), list(joint.start_velocity)
     for motion in motions:
@@ -185,7 +211,9 @@ def _jointed(tree: Tree, joint: Joint, place: Place) -> Place:
             states.append(_of_ball(start or (1.0, 0.0, 0.0, 0.0), velocity or (0.0, 0.0, 0.0)))
         else:
             states.append(((ball(start.pop(0) if start else 0.0),), (ball(velocity.pop(0) if velocity else 0.0),)))
-    return _linked(tree, motions, joint.axis, states, passive, (link, product(turn, attitude(joint.attitude)), origin))
+    return _linked(
+        tree, motions, joint.axis, states, _passive(joint, laws), (link, product(turn, attitude(joint.attitude)), origin)
+    )
 
 
 def _linked(
