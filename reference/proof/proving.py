@@ -40,8 +40,8 @@ CLOSED_FORM = "closed form in ball arithmetic"
 #: The precisions (bits) that are tried in turn, and the radius of balls that is small enough (rad, m and the like).
 BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
 
-#: The precisions that are tried for trees, and the largest number of their coordinates: the candidate of more takes minutes.
-BITS_OF_TREES, MOST_COORDINATES = (144, 208, 288, 400), 8
+#: The precisions that are tried for trees, and the largest number of their links: the candidate of more takes minutes.
+BITS_OF_TREES, MOST_LINKS = (144, 208, 288), 8
 
 #: The time limit of a proof (s).
 TIME_LIMIT_S = 60.0
@@ -76,6 +76,8 @@ def enclosed(
     tried = BITS_OF_TREES if isinstance(scene, Mechanism) and not one_joint.has_closed_form(scene) else BITS
     best: Enclosure | None = None
     for bits in tried:
+        if bits > tried[0] and time.perf_counter() > begin + limit:
+            break
         with precision(bits):
             try:
                 motion = _motion(scene, printed, joints, candidate, bits, begin + limit)
@@ -88,8 +90,6 @@ def enclosed(
             return enclosure
         if enclosure.until > (0.0 if best is None or best.until is None else best.until):
             best = enclosure
-        if time.perf_counter() > begin + limit:
-            break
     if best is None:
         raise reason
     return best
@@ -158,8 +158,8 @@ def _tree(
     if any(joint.friction for joint in mechanism.joints):
         return _held(mechanism, count)
     tree = tree_of(mechanism)
-    if tree.size > MOST_COORDINATES:
-        raise NotEnclosed(f"a tree of more than {MOST_COORDINATES} coordinates")
+    if len(tree.links) > MOST_LINKS:
+        raise NotEnclosed(f"a tree of more than {MOST_LINKS} links")
     if candidate is None:
         raise NotEnclosed("a tree, whose candidate needs heyoka, which is not installed")
     end = Fraction(float(printed.t[-1]))

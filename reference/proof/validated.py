@@ -13,6 +13,7 @@ e = P u and e' = P' u obey P u' = 0 and M P' u' = -r - R u, and are nearly const
 parallelepiped, whose axes are made orthogonal at each step in the order of their lengths (Lohner, 1987).
 """
 
+import math
 import time
 from dataclasses import dataclass
 from fractions import Fraction
@@ -30,6 +31,9 @@ from bodycheck.reference.trajectory import Array
 
 #: Rounds in which all steps are halved.
 ROUNDS = 3
+
+#: The part of the steps in which the time for a candidate is measured, and the part of the remaining time that it may take.
+SAMPLE, SHARE = 1 / 16, 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,10 +70,23 @@ def steps(tree: Tree, duration: Fraction, candidate: Candidate, bits: int, deadl
     lengths = mesh(tree, duration, candidate)
     for _ in range(ROUNDS):
         try:
-            return _carried(tree, parts(tree, lengths, candidate, bits), deadline)
+            return _carried(tree, parts(tree, _affordable(tree, lengths, candidate, bits, deadline), candidate, bits), deadline)
         except TooLong:
             lengths = [(centre + side * half / 2, half / 2) for centre, half in lengths for side in (-1, 1)]
     raise NotEnclosed("a mass matrix that changes too much within the shortest step")
+
+
+def _affordable(
+    tree: Tree, lengths: list[tuple[Fraction, Fraction]], candidate: Candidate, bits: int, deadline: float
+) -> list[tuple[Fraction, Fraction]]:
+    """The first steps for which there is time to compute a candidate, which cannot be interrupted."""
+    parts(tree, lengths[:1], candidate, bits)  # the first call may compile the equations
+    few = math.ceil(SAMPLE * len(lengths))
+    begin = time.perf_counter()
+    parts(tree, lengths[:few], candidate, bits)
+    now = time.perf_counter()
+    allowed = SHARE * (deadline - now) / (now - begin)
+    return lengths if allowed >= len(lengths) / few else lengths[: max(few, int(allowed * few))]
 
 
 def _carried(tree: Tree, parts: list[Part], deadline: float) -> list[Step]:

@@ -165,7 +165,7 @@ def test_a_candidate_that_is_wrong_proves_nothing() -> None:
         return [[value + arb(1e-9 * time**2) for value in row] for row, time in zip(rows, times.tolist(), strict=True)]
 
     with pytest.raises(proving.NotEnclosed):
-        proving.enclosed(scene, found.trajectory, found.joints, wrong)
+        proving.enclosed(scene, found.trajectory, found.joints, wrong, limit=0.0)
 
 
 def test_a_proof_that_has_no_more_time_says_until_when() -> None:
