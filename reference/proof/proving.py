@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.proof import bodies, free_body, one_joint, rest, validated
@@ -42,6 +43,9 @@ BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
 
 #: The precisions that are tried for trees, and the largest number of their links: the candidate of more takes minutes.
 BITS_OF_TREES, MOST_LINKS = (144, 208, 288), 8
+
+#: The time (s) that is followed where a tree is asked for at t = 0 alone.
+INSTANT = Fraction(1, 1024)
 
 #: The time limit of a proof (s).
 TIME_LIMIT_S = 60.0
@@ -162,10 +166,14 @@ def _tree(
         raise NotEnclosed(f"a tree of more than {MOST_LINKS} links")
     if candidate is None:
         raise NotEnclosed("a tree, whose candidate needs heyoka, which is not installed")
-    end = Fraction(float(printed.t[-1]))
+    end = Fraction(float(printed.t[-1])) or INSTANT
 
     def ordered(times: Array, digits: int) -> list[list[Ball]]:
-        return [[row[column] for column in tree.columns] for row in candidate(times, digits)]
+        try:
+            rows = candidate(times, digits)
+        except OutOfReach:
+            raise NotEnclosed("a tree that is followed in too many steps") from None
+        return [[row[column] for column in tree.columns] for row in rows]
 
     steps = validated.steps(tree, end, ordered, bits, deadline)
     if not steps:
@@ -177,7 +185,7 @@ def _tree(
         return Shown(*joint_states(tree, q, v, count), poses(tree, q, v))
 
     way = f"validated polynomials of degree {steps[0].part.motion[0].degree()}, {len(steps)} steps"
-    return Motion(way, at, None if ends[-1] == end else ends[-1])
+    return Motion(way, at, None if ends[-1] >= end else ends[-1])
 
 
 def _held(mechanism: Mechanism, count: int) -> Motion:

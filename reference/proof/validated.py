@@ -96,10 +96,10 @@ def _carried(tree: Tree, parts: list[Part], deadline: float) -> list[Step]:
     start += [value * ball(parts[0].half) for link in tree.links for value in link.velocity]
     last: Step | None = None
     for part in parts:
-        axes, box = _begun(part, arb_mat([[value] for value in start]) if last is None else last)
         try:
+            axes, box = _begun(part, arb_mat([[value] for value in start]) if last is None else last)
             bound = slack(tree, part, axes * box)
-        except TooFar:
+        except (TooFar, ZeroDivisionError):  # the latter is that of a matrix of balls without an inverse
             break
         last = Step(part, axes, box, bound)
         done.append(last)

@@ -223,3 +223,11 @@ def test_a_truth_of_a_ball_of_other_inertia_is_contradicted() -> None:
     )
     found = mechanism_truth(replace(scene, bodies=(other,)), np.linspace(0, 0.2, 5))
     assert below(proof(scene, found), found) != []
+
+
+def test_a_tree_is_enclosed_at_its_start_alone() -> None:
+    scene = cart_pole()
+    found = mechanism_truth(scene, np.zeros(1))
+    enclosure = proof(scene, found)
+    assert enclosure.until is None
+    assert enclosure.distance < 1e-15  # rounding of the printed attitude
