@@ -102,7 +102,7 @@ def mesh(tree: Tree, duration: Fraction, candidate: Candidate) -> list[tuple[Fra
 
 
 def _too_long(tree: Tree, steps: list[tuple[Fraction, Fraction]], candidate: Candidate) -> list[bool]:
-    """Whether each step is too long for polynomials of few terms, as doubles show."""
+    """True for each step that is too long for polynomials of few terms, as doubles show."""
     doubles = _interpolated(steps, COUNT, candidate, COARSE_BITS, tree.size)
     series = np.array([[[float(value) for value in row] for row in rows] for rows in doubles])
     by_chebyshev = np.abs(series @ _monomials().T)

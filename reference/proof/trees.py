@@ -198,9 +198,9 @@ def _constant(signal: Signal) -> Fraction:
     return Fraction(signal)
 
 
-def _jointed(tree: Tree, joint: Joint, laws: Sequence[Controller], place: Place) -> Place:
-    """Append the links of a joint with controllers on the place of its parent, and return the place of its child."""
-    link, turn, origin = place
+def _jointed(tree: Tree, joint: Joint, laws: Sequence[Controller], socket: Place) -> Place:
+    """Append the links of a joint with controllers, in its parent's place `socket`, and return the place of its child."""
+    link, turn, origin = socket
     origin = vector_sum(origin, applied(turn, triple(joint.position)))
     motions, states = joint.form.motions, list[States]()
     start, velocity = list(joint.start), list(joint.start_velocity)
@@ -222,13 +222,14 @@ def _linked(
     given: tuple[float, float, float],
     states: Sequence[States],
     passive: Passive,
-    place: Place,
+    socket: Place,
 ) -> Place:
     """Append links of some motions, and return the place on the last one.
 
-    given: the axis that the joint gives. passive: its armature, damping, stiffness, rest and effort.
+    given: the axis that the joint gives. passive: its armature, damping, stiffness, rest and effort. socket: the place of the
+    first link where its coordinate is zero.
     """
-    link, turn, origin = place
+    link, turn, origin = socket
     for motion, (start, velocity) in zip(motions, states, strict=True):
         back = UNIT if motion.kind == "ball" else _from_z(given if motion.axis == "given" else AXES[motion.axis])
         rows = [[simple(entry) for entry in row] for row in product(turn, back)]
