@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 #: Time limit of the command, that of a truth in a run.
 TIME_LIMIT_S = 300.0
 
+#: The part of the limit after which a proof ends at an earlier instant, so that its last step and the answer fit in the limit.
+PROOF_SHARE = 0.8
+
 
 def truth(
     case: str,
@@ -47,7 +50,7 @@ def truth(
         The exit code is 1 if a printed bound is smaller than the proved distance, or if two methods are farther apart than
         their own error bounds allow.
     limit
-        The time limit in s.
+        The time limit in s. A proof that needs longer says until which instant the motion is enclosed.
     """
     from bodycheck.console import tables, terminal, truth_states
     from bodycheck.console import truths as printing
@@ -63,7 +66,7 @@ def truth(
     if not limit > 0:
         raise BadInput(f"--limit {limit:g}: must be greater than 0 s")
     noticed([loaded], 1, quiet=False)
-    question = Question(loaded, tuple(sorted(at)) or None, certify)
+    question = Question(loaded, tuple(sorted(at)) or None, certify, PROOF_SHARE * limit)
     answered: Truth | Certificate = _answered(tasks.answer, question, loaded.name, limit)
     certificate = answered if isinstance(answered, Certificate) else None
     computed = answered.truth if isinstance(answered, Certificate) else answered

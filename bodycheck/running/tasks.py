@@ -5,6 +5,7 @@ needs.
 """
 
 import contextlib
+import math
 import sys
 from dataclasses import dataclass
 
@@ -65,11 +66,15 @@ class StopTask:
 
 @dataclass(frozen=True)
 class Question:
-    """The truth of a case, or its cross-check, at some times (s) or at the case's instants."""
+    """The truth of a case, or its certificate, at some times (s) or at the case's instants.
+
+    limit: the time (s) after which a proof ends at an earlier instant.
+    """
 
     case: Case
     times: tuple[float, ...] | None
     certified: bool
+    limit: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,9 +120,10 @@ def answer(question: Question) -> Truth | Certificate | NoTruth:
     """Compute the requested truth or cross-check; `NoTruth` if the reference has none."""
     from bodycheck.running import truths
 
-    compute = truths.certify if question.certified else truths.truth
     try:
-        return compute(question.case, question.times)
+        if question.certified:
+            return truths.certify(question.case, question.times, question.limit)
+        return truths.truth(question.case, question.times)
     except NotModelled as error:
         return NoTruth(f"unsupported: the reference does not model {error}{_advice(question.case, error)}")
     except OutOfReach as error:

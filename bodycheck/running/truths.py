@@ -1,5 +1,7 @@
 """Compute the truth of a case, cross-check it, and convert both to JSON."""
 
+import math
+import time
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
 from typing import Any
@@ -73,18 +75,21 @@ def of_runs(case: Case, samplings: Iterable[float]) -> dict[float, Truth]:
     return {sampling: whole.at(of_sampling) for sampling, of_sampling in times.items()}
 
 
-def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
+def certify(case: Case, times: ArrayLike | None = None, limit: float = math.inf) -> Certificate:
     """Prove how far the truth of a case is off, and compare all methods of computing it.
 
-    The times and exceptions are those of `truth`. Without python-flint there is no proof.
+    The times and exceptions are those of `truth`. Without python-flint there is no proof. limit: the time (s) for all of it,
+    after which a proof of a tree ends at an earlier instant.
     """
+    begin = time.perf_counter()
     checked = certificate.certify(case.scene, _instants(case, times))
     try:
         from bodycheck.reference.proof.proving import enclosed
     except ImportError:
         return replace(checked, not_enclosed="python-flint is not installed: pip install 'bodycheck[proof]'")
     try:
-        enclosure = enclosed(case.scene, checked.truth.trajectory, checked.truth.joints, candidate_of(case.scene))
+        left = limit - (time.perf_counter() - begin)
+        enclosure = enclosed(case.scene, checked.truth.trajectory, checked.truth.joints, candidate_of(case.scene), left)
         return proved(checked, enclosure)
     except NotEnclosed as reason:
         return replace(checked, not_enclosed=str(reason))

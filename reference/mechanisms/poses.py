@@ -11,7 +11,7 @@ from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
 from bodycheck.reference.mechanisms.frames import Place
 from bodycheck.reference.mechanisms.link_states import LinkStates
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.mechanisms.tree import STILL, Anchor, Forest, Link, Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -99,17 +99,19 @@ def _anchored(anchor: Anchor, frames: list[list[Frames]], count: int, kind: Floa
 
 def bodies(mechanism: Mechanism, frames: list[Frames], times: WideArray, kind: FloatType) -> Trajectory:
     """The states of all bodies, arrays (b, n, ...), in the floating-point type."""
-    centred = [
-        frame.carried(Place(origin=exact.inertia(body).centre), kind)
-        for body, frame in zip(mechanism.bodies, frames, strict=True)
-    ]
+    centres = [centred(body, frame, kind) for body, frame in zip(mechanism.bodies, frames, strict=True)]
     return Trajectory(
         times,
-        np.stack([frame.origin for frame in centred]),
-        np.stack([normalise(frame.turn) for frame in centred]),
-        np.stack([frame.velocity for frame in centred]),
-        np.stack([frame.spin for frame in centred]),
+        np.stack([frame.origin for frame in centres]),
+        np.stack([normalise(frame.turn) for frame in centres]),
+        np.stack([frame.velocity for frame in centres]),
+        np.stack([frame.spin for frame in centres]),
     )
+
+
+def centred(body: JointedBody, frame: Frames, kind: FloatType) -> Frames:
+    """The motion of the frame at the centre of mass of a body from that of the body's frame."""
+    return frame.carried(Place(origin=exact.inertia(body).centre), kind)
 
 
 def bodies_of(mechanism: Mechanism, times: Array, position: WideArray, velocity: WideArray) -> Trajectory:

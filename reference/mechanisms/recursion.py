@@ -15,6 +15,7 @@ import numpy as np
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import FloatType, WideArray
 from bodycheck.reference.integration import dop853
+from bodycheck.reference.kinematics import normalise
 from bodycheck.reference.mechanisms import exact, poses
 from bodycheck.reference.mechanisms.articulation import articulated
 from bodycheck.reference.mechanisms.link_states import (
@@ -96,6 +97,26 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     kind, instants = FloatType(dtype, bits), np.asarray(times, dtype=float)
     courses = [solver()(tree, instants, kind) for tree in forest(mechanism).trees]
     return _of_courses(mechanism, courses, instants, kind)
+
+
+def coordinates(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits: int | None = None) -> WideArray:
+    """The coordinates (n, c) of the joints of a mechanism without loops, and those (n, 7) of each free body after them.
+
+    The coordinates of a free body are the position of its centre of mass (m) and the quaternion of its attitude. The arguments
+    and errors are those of `follow`.
+    """
+    kind, whole = FloatType(dtype, bits), forest(mechanism)
+    states = [solver()(tree, times, kind).links for tree in whole.trees]
+    free = [index for index, joint in enumerate(mechanism.joint_of) if joint is None]
+    frames = []
+    if free or any(joint.type == "free" for joint in mechanism.joints):
+        links = [poses.link_frames(tree, each, len(times), kind) for tree, each in zip(whole.trees, states, strict=True)]
+        frames = poses.body_frames(whole, links, len(times), kind)
+    columns = [poses.joints(mechanism, whole, states, frames, len(times), kind)[0]]
+    for index in free:
+        centre = poses.centred(mechanism.bodies[index], frames[index], kind)
+        columns += [centre.origin, normalise(centre.turn)]
+    return np.concatenate(columns, axis=1)
 
 
 def _of_courses(mechanism: Mechanism, courses: Sequence[Course], instants: Array, kind: FloatType) -> JointStates:

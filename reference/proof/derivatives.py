@@ -1,20 +1,20 @@
-"""The derivatives of the efforts of a tree by coordinates, velocities and accelerations, in balls."""
+"""The derivatives of the efforts of a tree along directions, in balls, in power series of balls, or in arrays of doubles."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from flint import arb
+from bodycheck.reference.proof.dynamics import efforts, negative, plus, times
+from bodycheck.reference.proof.trees import Number, Tree
 
-from bodycheck.reference.proof.trees import Number, Tree, efforts, negative, plus, times
-
-#: The derivatives of a number by all variables, by their indices; those that are missing are zero.
+#: The derivatives of a number along directions, by their indices; those that are missing are zero.
 Slopes = dict[int, Number]
 
 
 class Slope:
-    """A number with its derivatives by some variables."""
+    """A number with its derivatives along some directions."""
 
     __slots__ = ("slopes", "value")
+    __array_ufunc__ = None  # so that arrays leave their products with slopes to this class
 
     def __init__(self, value: Number, slopes: Slopes) -> None:
         self.value = value
@@ -29,6 +29,9 @@ class Slope:
         return Slope(plus(self.value, other.value), slopes)
 
     __radd__ = __add__
+
+    def __sub__(self, other: "Slope") -> "Slope":
+        return self + -other
 
     def __neg__(self) -> "Slope":
         return Slope(negative(self.value), {index: negative(slope) for index, slope in self.slopes.items()})
@@ -45,18 +48,29 @@ class Slope:
     __rmul__ = __mul__
 
 
-def jacobians(tree: Tree, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]) -> list[list[list[Any]]]:
-    """Return the derivatives of all efforts by coordinates, velocities and accelerations, each as rows of balls."""
-    size = len(q)
-    sines = [Slope(value.sin(), {i: value.cos()}) for i, value in enumerate(q)]
-    cosines = [Slope(value.cos(), {i: -value.sin()}) for i, value in enumerate(q)]
-    at, moving, hurrying = (
-        [Slope(value, {part * size + i: 1}) for i, value in enumerate(values)] for part, values in enumerate((q, v, a))
+#: The sines and cosines of coordinates.
+Turns = tuple[Sequence[Number], Sequence[Number]]
+
+
+def along(tree: Tree, motion: Sequence[Sequence[Number]], turns: Turns, directions: Sequence[Sequence[Slopes]]) -> list[Slopes]:
+    """Return the derivatives of all efforts along directions.
+
+    motion: coordinates, velocities and accelerations. directions: the derivatives of these along the directions.
+    """
+    q, v, a = (
+        [Slope(value, slopes) if slopes else value for value, slopes in zip(values, rows, strict=True)]
+        for values, rows in zip(motion, directions, strict=True)
     )
-    needed = efforts(tree, at, moving, hurrying, sines, cosines)
-    return [[[_ball(each, part * size + i) for i in range(size)] for each in needed] for part in range(3)]
+    sines, cosines = list(turns[0]), list(turns[1])
+    for i, slopes in enumerate(directions[0]):
+        if slopes:
+            s, c = turns[0][i], turns[1][i]
+            sines[i] = Slope(s, {index: times(c, slope) for index, slope in slopes.items()})
+            cosines[i] = Slope(c, {index: negative(times(s, slope)) for index, slope in slopes.items()})
+    needed = efforts(tree, q, v, a, sines, cosines)
+    return [each.slopes if isinstance(each, Slope) else {} for each in needed]
 
 
-def _ball(value: Number, index: int) -> Any:
-    slope = value.slopes.get(index, 0) if isinstance(value, Slope) else 0
-    return arb(slope) if isinstance(slope, int) else slope
+def each_alone(size: int, part: int) -> list[list[Slopes]]:
+    """Return the directions of all coordinates (part 0), velocities (1) or accelerations (2), each alone."""
+    return [[{i: 1} if which == part else {} for i in range(size)] for which in range(3)]

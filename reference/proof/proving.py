@@ -9,10 +9,12 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from flint import arb
 
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.proof import bodies, free_body, one_joint, validated
+from bodycheck.reference.proof import bodies, free_body, one_joint, rest, validated
 from bodycheck.reference.proof.balls import (
     Ball,
     Matrix,
@@ -26,9 +28,10 @@ from bodycheck.reference.proof.balls import (
     triple,
     upper,
 )
+from bodycheck.reference.proof.dynamics import joint_states, poses
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
-from bodycheck.reference.proof.trees import poses, tree_of
-from bodycheck.reference.proof.validated import Candidate
+from bodycheck.reference.proof.polynomials import Candidate
+from bodycheck.reference.proof.trees import tree_of
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -39,7 +42,10 @@ CLOSED_FORM = "closed form in ball arithmetic"
 BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
 
 #: The precisions that are tried for trees, and the largest number of their links: the candidate of more takes minutes.
-BITS_OF_TREES, MOST_LINKS = (128, 192, 256, 384), 5
+BITS_OF_TREES, MOST_LINKS = (144, 208, 288), 8
+
+#: The time (s) that is followed where a tree is asked for at t = 0 alone.
+INSTANT = Fraction(1, 1024)
 
 #: The time limit of a proof (s).
 TIME_LIMIT_S = 60.0
@@ -74,9 +80,11 @@ def enclosed(
     tried = BITS_OF_TREES if isinstance(scene, Mechanism) and not one_joint.has_closed_form(scene) else BITS
     best: Enclosure | None = None
     for bits in tried:
+        if bits > tried[0] and time.perf_counter() > begin + limit:
+            break
         with precision(bits):
             try:
-                motion = _motion(scene, printed, candidate, bits, begin + limit)
+                motion = _motion(scene, printed, joints, candidate, bits, begin + limit)
                 compared = _compared(motion, printed, joints)
             except NotEnclosed as error:
                 reason = error
@@ -86,8 +94,6 @@ def enclosed(
             return enclosure
         if enclosure.until > (0.0 if best is None or best.until is None else best.until):
             best = enclosure
-        if time.perf_counter() > begin + limit:
-            break
     if best is None:
         raise reason
     return best
@@ -95,15 +101,16 @@ def enclosed(
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """The states of a motion at an instant: coordinates of joints with their velocities, and of each body in balls."""
+    """The states of a motion at an instant in balls: the coordinates and velocities of joints, and the states of each body."""
 
-    coordinates: list[tuple[Ball, Ball]]
+    position: list[Ball]
+    velocity: list[Ball]
     bodies: list[tuple[Triple, Matrix, Triple, Triple]]
 
     @property
     def radius(self) -> float:
         """The largest radius of a ball; infinite if one has no bound."""
-        entries = [value for pair in self.coordinates for value in pair]
+        entries = [*self.position, *self.velocity]
         for position, attitude, velocity, rates in self.bodies:
             entries += [*position, *velocity, *rates, *(entry for line in attitude for entry in line)]
         return max(float(entry.rad()) for entry in entries) if all(entry.is_finite() for entry in entries) else math.inf
@@ -122,16 +129,18 @@ class Motion:
     until: Fraction | None = None
 
 
-def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
+def _motion(
+    scene: AnyScene, printed: Trajectory, joints: JointMotion | None, candidate: Candidate | None, bits: int, deadline: float
+) -> Motion:
     """The motion of a scene in balls."""
     if isinstance(scene, Mechanism):
         if not one_joint.has_closed_form(scene):
-            return _tree(scene, printed, candidate, bits, deadline)
+            return _tree(scene, printed, joints, candidate, bits, deadline)
         of_joint = one_joint.states(scene)
 
         def at(t: Fraction) -> Shown:
-            coordinate, *states = of_joint(t)
-            return Shown([coordinate], [tuple(states)])  # type: ignore[list-item]
+            (position, velocity), *states = of_joint(t)
+            return Shown([position], [velocity], [tuple(states)])  # type: ignore[list-item]
 
         return Motion(CLOSED_FORM, at)
     for kind, there in (("a plane", scene.plane is not None), ("drag", scene.drag), ("pushes", scene.pushes)):
@@ -140,38 +149,52 @@ def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, b
     return Motion(CLOSED_FORM, _flight(scene))
 
 
-def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
+def _tree(
+    mechanism: Mechanism,
+    printed: Trajectory,
+    joints: JointMotion | None,
+    candidate: Candidate | None,
+    bits: int,
+    deadline: float,
+) -> Motion:
     """The motion of a tree, by a polynomial near to a candidate for it."""
+    count = joints.position.shape[1] if joints else 0
+    if any(joint.friction for joint in mechanism.joints):
+        return _held(mechanism, count)
     tree = tree_of(mechanism)
     if len(tree.links) > MOST_LINKS:
         raise NotEnclosed(f"a tree of more than {MOST_LINKS} links")
     if candidate is None:
         raise NotEnclosed("a tree, whose candidate needs heyoka, which is not installed")
-    end = Fraction(float(printed.t[-1]))
-    order = np.argsort(tree.columns)
+    end = Fraction(float(printed.t[-1])) or INSTANT
 
     def ordered(times: Array, digits: int) -> list[list[Ball]]:
-        return [[row[column] for column in tree.columns] for row in candidate(times, digits)]
+        try:
+            rows = candidate(times, digits)
+        except OutOfReach:
+            raise NotEnclosed("a tree that is followed in too many steps") from None
+        return [[row[column] for column in tree.columns] for row in rows]
 
-    steps = validated.steps(tree, end, _fastest(printed), ordered, bits, deadline)
+    steps = validated.steps(tree, end, ordered, bits, deadline)
     if not steps:
         raise NotEnclosed("a tree whose errors grow at once")
     ends = [step.end for step in steps]
 
     def at(t: Fraction) -> Shown:
         q, v = steps[bisect_left(ends, t)].at(t)
-        return Shown([(q[index], v[index]) for index in order], poses(tree, q, v))
+        return Shown(*joint_states(tree, q, v, count), poses(tree, q, v))
 
-    way = f"validated polynomials of degree {steps[0].polynomials[0].degree()}, {len(steps)} steps"
-    return Motion(way, at, None if ends[-1] == end else ends[-1])
+    way = f"validated polynomials of degree {steps[0].part.motion[0].degree()}, {len(steps)} steps"
+    return Motion(way, at, None if ends[-1] >= end else ends[-1])
 
 
-def _fastest(printed: Trajectory) -> float:
-    """A rate (1/s) at which the states of a printed motion change: that of the fastest turning, or of the acceleration."""
-    spin = float(np.linalg.norm(printed.angular_velocity, axis=-1).max(initial=0.0))
-    steps = np.diff(printed.t)
-    changes = np.linalg.norm(np.diff(printed.angular_velocity, axis=-2), axis=-1) / np.where(steps > 0, steps, np.inf)
-    return max(spin, float(np.sqrt(changes.max(initial=0.0))), 1 / max(float(printed.t[-1]), 1e-3))
+def _held(mechanism: Mechanism, count: int) -> Motion:
+    """The rest of a tree that dry friction holds; its method names the joints that need all of it. count: of coordinates."""
+    tree, q, at_limit = rest.held(mechanism)
+    still = [arb(0)] * tree.size
+    shown = Shown(*joint_states(tree, q, still, count), poses(tree, q, still))
+    limit = f", which is just enough at {' and '.join(at_limit)}" if at_limit else ""
+    return Motion(f"rest that dry friction holds{limit}", lambda t: shown)
 
 
 def _flight(scene: Scene) -> States:
@@ -182,7 +205,7 @@ def _flight(scene: Scene) -> States:
     def at(t: Fraction) -> Shown:
         attitude, rates = rotation(t)
         position = triple([x + v * t + g * t * t / 2 for x, v, g in zip(begin, speed, gravity, strict=True)])
-        return Shown([], [(position, attitude, triple([v + g * t for v, g in zip(speed, gravity, strict=True)]), rates)])
+        return Shown([], [], [(position, attitude, triple([v + g * t for v, g in zip(speed, gravity, strict=True)]), rates)])
 
     return at
 
@@ -222,9 +245,9 @@ def _distances(shown: Shown, printed: Trajectory, joints: JointMotion | None, ro
         distances["velocity_error"].append(distance(velocity, _balls(body.velocity[row])))
         distances["angular_velocity_error"].append(distance(rates, _balls(body.angular_velocity[row])))
     if joints is not None:
-        for side, (name, given) in enumerate(zip(COORDINATES, (joints.position, joints.velocity), strict=True)):
-            pairs = zip(shown.coordinates, given[row].tolist(), strict=True)
-            distances[name] = [abs(pair[side] - ball(value)) for pair, value in pairs]
+        both = (shown.position, joints.position), (shown.velocity, joints.velocity)
+        for name, (balls, given) in zip(COORDINATES, both, strict=True):
+            distances[name] = [abs(one - ball(value)) for one, value in zip(balls, given[row].tolist(), strict=True)]
     return distances
 
 

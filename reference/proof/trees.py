@@ -1,8 +1,6 @@
-"""Trees of links on hinges and sliders, and their inverse dynamics in any arithmetic.
+"""Trees of links on hinges, sliders and balls, from mechanisms.
 
-The inverse dynamics gives the efforts at the joints that a motion needs. They are polynomials of velocities, accelerations, and
-sines and cosines of coordinates, so that they can be computed with balls, with power series of balls, and with derivatives.
-Numbers that are exactly 0, 1 or -1 are integers, and take no time.
+Numbers that are exactly 0, 1 or -1 are integers, and take no time in products and sums.
 """
 
 from collections.abc import Sequence
@@ -12,16 +10,18 @@ from typing import Any
 
 from flint import arb
 
+from bodycheck.reference.mechanisms.control import Controller, Signal
 from bodycheck.reference.mechanisms.coordinates import places as layout
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, breadth_first
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, ElementaryMotion, MotionKind
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism, breadth_first
 from bodycheck.reference.proof.balls import (
     UNIT,
+    Ball,
     Matrix,
     Triple,
     about,
     applied,
     ball,
-    cross,
     product,
     transposed,
     triple,
@@ -30,31 +30,41 @@ from bodycheck.reference.proof.balls import (
 from bodycheck.reference.proof.bodies import as_ball, attitude, inertia, length
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.mass import centre_of, mass_of
+from bodycheck.reference.scene import EulerRates
 
 #: A number of any arithmetic, or one of the integers 0, 1 and -1.
 Number = Any
 Vector = Sequence[Number]
 Rows = Sequence[Sequence[Number]]
 
-#: The elements of the types of joints: whether each slides, and its axis, None for the axis of the joint.
-ELEMENTS: dict[str, tuple[tuple[bool, tuple[float, float, float] | None], ...]] = {
-    "revolute": ((False, None),),
-    "prismatic": ((True, None),),
-    "universal": ((False, (1.0, 0.0, 0.0)), (False, (0.0, 1.0, 0.0))),
-    "planar": ((True, (1.0, 0.0, 0.0)), (True, (0.0, 1.0, 0.0)), (False, (0.0, 0.0, 1.0))),
-}
+#: The coordinates and velocities at t = 0 of an elementary motion.
+States = tuple[tuple[Ball, ...], tuple[Ball, ...]]
+
+#: A link (-1: the world), and the attitude and the origin (m) of a frame in that of the link.
+Place = tuple[int, Matrix, Triple]
+
+#: The armature, damping, stiffness, coordinate at rest and constant effort of a joint.
+Passive = tuple[Number, Number, Number, Number, Number]
+
+#: The place of the world.
+STILL: Place = (-1, UNIT, (arb(0), arb(0), arb(0)))
+
+#: The axes of elementary motions in the frame of the joint.
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A link that turns about z of its frame, or slides along it, from its parent.
+    """A link that turns about z of its frame, slides along it, or turns about any axis, from its parent.
 
     Attributes
     ----------
     parent
         The index of the parent, -1 for the world.
-    slides
-        Whether it slides.
+    kind
+        Its motion.
+    first
+        The index of its coordinate among those of the tree, or of the first of its four.
     turn, offset
         The attitude of its frame in that of the parent where its coordinate is zero, and the origin of its frame there (m).
     mass, moment, tensor
@@ -63,11 +73,12 @@ class Link:
     armature, damping, stiffness, rest, effort
         As in `Joint`.
     start, velocity
-        The exact coordinate and its velocity at t = 0.
+        The coordinates and their velocities at t = 0; for a ball a quaternion and its rate.
     """
 
     parent: int
-    slides: bool
+    kind: MotionKind
+    first: int
     turn: Rows
     offset: Vector
     armature: Number
@@ -75,8 +86,8 @@ class Link:
     stiffness: Number
     rest: Number
     effort: Number
-    start: Fraction
-    velocity: Fraction
+    start: tuple[Ball, ...]
+    velocity: tuple[Ball, ...]
     mass: Number = 0
     moment: Vector = (0, 0, 0)
     tensor: Rows = ((0, 0, 0), (0, 0, 0), (0, 0, 0))
@@ -95,7 +106,8 @@ class Placed:
 class Tree:
     """The links of a mechanism, each after its parent, its bodies in their order, and gravity (m/s^2).
 
-    columns: the column of each link's coordinate in the layout of `coordinates`.
+    columns: the column of each coordinate of the tree in the layout of `coordinates`, after which free bodies have seven
+    coordinates each: the position of the centre of mass and the quaternion of the attitude.
     """
 
     gravity: Number
@@ -103,14 +115,28 @@ class Tree:
     columns: list[int] = field(default_factory=list)
     bodies: dict[int, Placed] = field(default_factory=dict)
 
+    @property
+    def size(self) -> int:
+        """The number of coordinates."""
+        return self.links[-1].first + len(self.links[-1].start) if self.links else 0
+
+    @property
+    def turning(self) -> list[int]:
+        """The indices of the angles of hinges among the coordinates."""
+        return [link.first for link in self.links if link.kind == "turn"]
+
 
 def tree_of(mechanism: Mechanism) -> Tree:
     """Return a mechanism as a tree of links. Raises `NotEnclosed` if it is no such tree, or its motion is not smooth."""
     for kind, there in (
         ("a loop", mechanism.loops),
         ("a plane", mechanism.plane is not None),
+        ("contacts", mechanism.contacts),
         ("pushes", mechanism.pushes),
-        ("a controller in a tree", mechanism.controllers),
+        (
+            "a law in a tree that is sampled, limited, integrates or follows a signal",
+            any(not is_linear(c) for c in mechanism.controllers),
+        ),
         ("stops in a tree", any(joint.stops is not None for joint in mechanism.joints)),
         ("dry friction in a tree", any(joint.friction for joint in mechanism.joints)),
         ("joints that follow others", any(joint.mimic for joint in mechanism.joints)),
@@ -119,36 +145,112 @@ def tree_of(mechanism: Mechanism) -> Tree:
             raise NotEnclosed(kind)
     tree = Tree(simple(ball(mechanism.gravity)))
     columns = layout(mechanism)
-    places: dict[int, tuple[int, Matrix, Triple]] = {WORLD: (-1, UNIT, (arb(0), arb(0), arb(0)))}
+    free = columns[-1][0].stop if columns else 0
+    places = {WORLD: STILL}
     for index in breadth_first(mechanism):
-        joint = mechanism.joint_of[index]
-        if joint is None or joint.type not in (*ELEMENTS, "fixed"):
-            raise NotEnclosed("a free body in a mechanism" if joint is None else f"a {joint.type} joint")
-        before = len(tree.links)
-        places[index] = _jointed(tree, joint, *places[joint.parent])
-        first = columns[mechanism.joints.index(joint)][0].start
-        tree.columns += range(first, first + len(tree.links) - before)
-        _put(tree, index, mechanism.bodies[index], *places[index])
+        joint, body = mechanism.joint_of[index], mechanism.bodies[index]
+        if joint is None:
+            places[index] = _freed(tree, body)
+            free, first = free + 7, free
+        else:
+            number = mechanism.joints.index(joint)
+            laws = [each for each in mechanism.controllers if each.joint == number]
+            places[index] = _jointed(tree, joint, laws, places[joint.parent])
+            first = columns[number][0].start
+        tree.columns += range(first, first + tree.size - len(tree.columns))
+        _put(tree, index, body, *places[index])
     return tree
 
 
-def _jointed(tree: Tree, joint: Joint, link: int, turn: Matrix, origin: Triple) -> tuple[int, Matrix, Triple]:
-    """Append the links of a joint, and return the place of its child: its link, attitude and origin there."""
-    offset = applied(turn, triple(joint.position))
-    origin = (origin[0] + offset[0], origin[1] + offset[1], origin[2] + offset[2])
-    turn = product(turn, attitude(joint.attitude))
-    for number, (slides, fixed_axis) in enumerate(ELEMENTS.get(joint.type, ())):
-        back = _from_z(joint.axis if fixed_axis is None else fixed_axis)
-        armature, damping, stiffness, rest, effort = (
-            simple(ball(value)) for value in (joint.armature, joint.damping, joint.stiffness, joint.rest, joint.effort)
-        )
-        start = Fraction(joint.start[number] if joint.start else 0.0)
-        velocity = Fraction(joint.start_velocity[number] if joint.start_velocity else 0.0)
+def _freed(tree: Tree, body: JointedBody) -> Place:
+    """Append the links of a free body, the last of which has its origin in the centre of mass, and return its place."""
+    start = body.start or BodyStart()
+    if isinstance(start.rotation, EulerRates) or not isinstance(start.attitude, tuple):
+        raise NotEnclosed("a free body in a mechanism that starts with Euler angles")
+    states: list[States] = [((ball(x),), (ball(v),)) for x, v in zip(start.position, start.velocity, strict=True)]
+    states.append(_of_ball(start.attitude, start.rotation))
+    link, _, _ = _linked(tree, JOINT_TYPES["free"].motions, AXES["z"], states, (0, 0, 0, 0, 0), STILL)
+    x, y, z = triple(centre_of(body))
+    return link, UNIT, (-x, -y, -z)
+
+
+def is_linear(controller: Controller) -> bool:
+    """Return whether the effort of a controller is a constant, less those of a spring and a damper."""
+    signals = (controller.target, controller.target_velocity, controller.effort)
+    bounded = controller.rate is not None or controller.effort_limit is not None or controller.no_load_speed is not None
+    return not (bounded or controller.ki) and all(isinstance(signal, int | float) for signal in signals)
+
+
+def _passive(joint: Joint, laws: Sequence[Controller]) -> Passive:
+    """The constants of a joint with controllers, see `is_linear`."""
+    damping, stiffness, rest, effort = map(Fraction, (joint.damping, joint.stiffness, joint.rest, joint.effort))
+    for law in laws:
+        kp, kd = (Fraction(law.kp), Fraction(law.kd)) if law.law == "pd" else (Fraction(0), Fraction(0))
+        damping, stiffness = damping + kd, stiffness + kp
+        effort += kp * (_constant(law.target) - rest) + kd * _constant(law.target_velocity) + _constant(law.effort)
+    constants = (Fraction(joint.armature), damping, stiffness, rest, effort)
+    armature, damping, stiffness, rest, effort = (simple(ball(value)) for value in constants)
+    return armature, damping, stiffness, rest, effort
+
+
+def _constant(signal: Signal) -> Fraction:
+    assert isinstance(signal, int | float)
+    return Fraction(signal)
+
+
+def _jointed(tree: Tree, joint: Joint, laws: Sequence[Controller], socket: Place) -> Place:
+    """Append the links of a joint with controllers, in its parent's place `socket`, and return the place of its child."""
+    link, turn, origin = socket
+    origin = vector_sum(origin, applied(turn, triple(joint.position)))
+    motions, states = joint.form.motions, list[States]()
+    start, velocity = list(joint.start), list(joint.start_velocity)
+    for motion in motions:
+        if motion.kind == "ball":
+            if joint.armature or joint.stiffness or joint.effort:
+                raise NotEnclosed("a ball with armature, a spring or a constant torque")
+            states.append(_of_ball(start or (1.0, 0.0, 0.0, 0.0), velocity or (0.0, 0.0, 0.0)))
+        else:
+            states.append(((ball(start.pop(0) if start else 0.0),), (ball(velocity.pop(0) if velocity else 0.0),)))
+    return _linked(
+        tree, motions, joint.axis, states, _passive(joint, laws), (link, product(turn, attitude(joint.attitude)), origin)
+    )
+
+
+def _linked(
+    tree: Tree,
+    motions: Sequence[ElementaryMotion],
+    given: tuple[float, float, float],
+    states: Sequence[States],
+    passive: Passive,
+    socket: Place,
+) -> Place:
+    """Append links of some motions, and return the place on the last one.
+
+    given: the axis that the joint gives. passive: its armature, damping, stiffness, rest and effort. socket: the place of the
+    first link where its coordinate is zero.
+    """
+    link, turn, origin = socket
+    for motion, (start, velocity) in zip(motions, states, strict=True):
+        back = UNIT if motion.kind == "ball" else _from_z(given if motion.axis == "given" else AXES[motion.axis])
         rows = [[simple(entry) for entry in row] for row in product(turn, back)]
         where = [simple(entry) for entry in origin]
-        tree.links.append(Link(link, slides, rows, where, armature, damping, stiffness, rest, effort, start, velocity))
-        link, turn, origin = len(tree.links) - 1, transposed(back), (arb(0), arb(0), arb(0))
+        tree.links.append(Link(link, motion.kind, tree.size, rows, where, *passive, start, velocity))
+        link, turn, origin = len(tree.links) - 1, transposed(back), STILL[2]
     return link, turn, origin
+
+
+def _of_ball(quaternion: Sequence[float], rates: Sequence[float]) -> States:
+    """The unit quaternion of an attitude, and its rate at an angular velocity in the frame that turns."""
+    w, x, y, z = map(Fraction, quaternion)
+    size = ball(w * w + x * x + y * y + z * z).sqrt()
+    p, q, r = map(Fraction, rates)
+    change = (
+        (-x * p - y * q - z * r) / 2,
+        (w * p + y * r - z * q) / 2,
+        (w * q + z * p - x * r) / 2,
+        (w * r + x * q - y * p) / 2,
+    )
+    return tuple(ball(value) / size for value in (w, x, y, z)), tuple(ball(value) / size for value in change)
 
 
 def _from_z(axis: tuple[float, float, float]) -> Matrix:
@@ -199,147 +301,3 @@ def simple(value: Any) -> Number:
 def as_number(value: Number) -> Any:
     """Return a ball for an integer."""
     return arb(value) if isinstance(value, int) else value
-
-
-def times(a: Number, b: Number) -> Number:
-    """Return a product, which takes no time if a factor is exactly 0, 1 or -1."""
-    for one, other in ((a, b), (b, a)):
-        if type(one) is int:
-            return 0 if one == 0 else other if one == 1 else -other if one == -1 else one * other
-    return a * b
-
-
-def plus(*terms: Number) -> Number:
-    """Return a sum, without terms that are exactly 0."""
-    whole: Number = 0
-    for term in terms:
-        if type(term) is int and term == 0:
-            continue
-        whole = term if type(whole) is int and whole == 0 else whole + term
-    return whole
-
-
-def negative(value: Number) -> Number:
-    """Return the negative of a number."""
-    return -value
-
-
-def crossed(a: Vector, b: Vector) -> list[Number]:
-    """Return the cross product of two vectors."""
-    return [
-        plus(times(a[1], b[2]), negative(times(a[2], b[1]))),
-        plus(times(a[2], b[0]), negative(times(a[0], b[2]))),
-        plus(times(a[0], b[1]), negative(times(a[1], b[0]))),
-    ]
-
-
-def turned(rows: Rows, v: Vector) -> list[Number]:
-    """Return the product of a matrix and a vector."""
-    return [plus(*(times(entry, part) for entry, part in zip(row, v, strict=True))) for row in rows]
-
-
-def back(rows: Rows, v: Vector) -> list[Number]:
-    """Return the product of the transpose of a matrix and a vector."""
-    return [plus(*(times(rows[i][j], v[i]) for i in range(3))) for j in range(3)]
-
-
-def added(*vectors: Vector) -> list[Number]:
-    """Return the sum of vectors."""
-    return [plus(*parts) for parts in zip(*vectors, strict=True)]
-
-
-def in_child(link: Link, sine: Number, cosine: Number, v: Vector) -> list[Number]:
-    """Return the components of a vector in the frame of a link from those in the frame of its parent."""
-    x, y, z = back(link.turn, v)
-    if link.slides:
-        return [x, y, z]
-    return [plus(times(cosine, x), times(sine, y)), plus(times(cosine, y), negative(times(sine, x))), z]
-
-
-def in_parent(link: Link, sine: Number, cosine: Number, v: Vector) -> list[Number]:
-    """Return the components of a vector in the frame of the parent from those in the frame of a link."""
-    x, y, z = v
-    if not link.slides:
-        x, y = plus(times(cosine, x), negative(times(sine, y))), plus(times(sine, x), times(cosine, y))
-    return turned(link.turn, [x, y, z])
-
-
-def efforts(tree: Tree, q: Vector, v: Vector, a: Vector, sines: Vector, cosines: Vector) -> list[Number]:
-    """Return the efforts that a motion needs at all joints, less those of springs, dampers and constant forces.
-
-    They are zero for the motion of the tree. q, v, a: coordinates, velocities and accelerations; sines and cosines of q.
-    """
-    forces: list[list[Number]] = []
-    moments: list[list[Number]] = []
-    still, up = [0, 0, 0], [0, 0, tree.gravity]
-    rates: list[tuple[list[Number], list[Number], list[Number]]] = []
-    for i, link in enumerate(tree.links):
-        w, e, acc = rates[link.parent] if link.parent >= 0 else (still, still, up)
-        acc = added(acc, crossed(e, link.offset), crossed(w, crossed(w, link.offset)))
-        w, e, acc = (in_child(link, sines[i], cosines[i], each) for each in (w, e, acc))
-        if link.slides:
-            out, speed = [0, 0, q[i]], [0, 0, v[i]]
-            acc = added(acc, crossed(e, out), crossed(w, crossed(w, out)), [0, 0, a[i]])
-            coriolis = crossed(w, speed)
-            acc = added(acc, coriolis, coriolis)
-        else:
-            e = added(e, crossed(w, [0, 0, v[i]]), [0, 0, a[i]])
-            w = added(w, [0, 0, v[i]])
-        rates.append((w, e, acc))
-        moment = link.moment
-        forces.append(added([times(link.mass, part) for part in acc], crossed(e, moment), crossed(w, crossed(w, moment))))
-        moments.append(added(turned(link.tensor, e), crossed(w, turned(link.tensor, w)), crossed(moment, acc)))
-    needed: list[Number] = [0] * len(tree.links)
-    for i in range(len(tree.links) - 1, -1, -1):
-        link = tree.links[i]
-        force, moment = forces[i], moments[i]
-        needed[i] = plus(
-            (force if link.slides else moment)[2],
-            times(link.armature, a[i]),
-            times(link.damping, v[i]),
-            times(link.stiffness, plus(q[i], negative(link.rest))),
-            negative(link.effort),
-        )
-        if link.parent >= 0:
-            if link.slides:
-                moment = added(moment, crossed([0, 0, q[i]], force))
-            force, moment = (in_parent(link, sines[i], cosines[i], each) for each in (force, moment))
-            forces[link.parent] = added(forces[link.parent], force)
-            moments[link.parent] = added(moments[link.parent], moment, crossed(link.offset, force))
-    return needed
-
-
-def poses(tree: Tree, q: Sequence[Any], v: Sequence[Any]) -> list[tuple[Triple, Matrix, Triple, Triple]]:
-    """Return the position of the centre of mass, the attitude, the velocity and the angular velocity of each body, in balls.
-
-    The angular velocity is along the axes of the body.
-    """
-    zero = arb(0)
-    frames: list[tuple[Matrix, Triple, Triple, Triple]] = []  # attitude, origin, velocity of the origin, spin in the world
-    world: tuple[Matrix, Triple, Triple, Triple] = (UNIT, (zero, zero, zero), (zero, zero, zero), (zero, zero, zero))
-    for i, link in enumerate(tree.links):
-        turn, origin, velocity, spin = frames[link.parent] if link.parent >= 0 else world
-        arm = applied(turn, _balls(link.offset))
-        now = product(turn, (_balls(link.turn[0]), _balls(link.turn[1]), _balls(link.turn[2])))
-        axis = (now[0][2], now[1][2], now[2][2])
-        velocity = vector_sum(velocity, cross(spin, arm))
-        origin = vector_sum(origin, arm)
-        if link.slides:
-            out: Triple = (axis[0] * q[i], axis[1] * q[i], axis[2] * q[i])
-            velocity = vector_sum(vector_sum(velocity, cross(spin, out)), (axis[0] * v[i], axis[1] * v[i], axis[2] * v[i]))
-            origin = vector_sum(origin, out)
-        else:
-            now = product(now, about(2, *q[i].sin_cos()))
-            spin = vector_sum(spin, (axis[0] * v[i], axis[1] * v[i], axis[2] * v[i]))
-        frames.append((now, origin, velocity, spin))
-    states = []
-    for _, body in sorted(tree.bodies.items()):
-        turn, origin, velocity, spin = frames[body.link] if body.link >= 0 else world
-        arm, now = applied(turn, body.centre), product(turn, body.turn)
-        states.append((vector_sum(origin, arm), now, vector_sum(velocity, cross(spin, arm)), applied(transposed(now), spin)))
-    return states
-
-
-def _balls(values: Vector) -> Triple:
-    x, y, z = map(as_number, values)
-    return x, y, z

@@ -10,6 +10,7 @@ import pytest
 from bodycheck import load
 from bodycheck.casefile.robots import loading
 from bodycheck.reference.bounds import NAMES
+from bodycheck.reference.certified import Certificate
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.mechanisms.hybrid.deciding import add_criticals
 from bodycheck.reference.mechanisms.link_states import Critical
@@ -119,3 +120,18 @@ def test_rest_that_rounding_leaves_undecided_names_what_holds_the_joint(friction
     with pytest.raises(OutOfReach, match=r"whether the joint pin stays at rest at t = 0\.5 s") as refused:
         add_criticals(mechanism, np.array([0.0, 1.0]), [rest], np.full(2, 1e-16), 1.0, errors)
     assert refused.value.cause == cause
+
+
+def test_a_proof_ends_at_the_limit_and_says_until_when() -> None:
+    """The limit of a question reaches the proof, which then encloses the motion until an earlier instant."""
+    pytest.importorskip("flint")
+    pytest.importorskip("heyoka")
+    case = load("sensor-pendulum")
+    whole, short = (answer(Question(case, None, True, limit)) for limit in (1000.0, 1e-9))
+    assert isinstance(whole, Certificate)
+    assert isinstance(short, Certificate)
+    assert whole.enclosure is not None
+    assert short.enclosure is not None
+    assert whole.enclosure.until is None
+    assert short.enclosure.until is not None
+    assert 0 < short.enclosure.until < case.duration

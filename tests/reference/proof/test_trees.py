@@ -2,13 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from bodycheck.casefile.case import load
 from bodycheck.reference.candidate import candidate_of
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.joint_types import JointType
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.proof.enclosure import QUANTITIES, Enclosure
 from bodycheck.reference.scene import Tensor
@@ -19,29 +21,32 @@ pytest.importorskip("heyoka")
 
 from flint import arb
 
-from bodycheck.reference.proof import proving, trees
+from bodycheck.reference.proof import dynamics, one_joint, polynomials, proving, trees, validated
 from bodycheck.reference.proof.balls import precision
-from bodycheck.reference.proof.derivatives import jacobians
+from bodycheck.reference.proof.derivatives import along, each_alone
 
 
 def two_links(seed: int) -> Mechanism:
-    """Two bodies on turned joints, each a hinge or a slider, with springs and dampers."""
+    """Two bodies on turned joints, each a hinge or a slider, with springs and dampers; from seed 4 on the second is a ball."""
     rng = np.random.default_rng(seed)
+    types: tuple[JointType, ...] = ("revolute", "prismatic")
     bodies, joints = [], []
     for number in range(2):
         spread = 0.05 * rng.normal(size=(3, 3))
         x, y, z = (tuple(row) for row in (np.diag(rng.uniform(0.2, 0.3, 3)) + spread @ spread.T).tolist())
         bodies.append(JointedBody(f"b{number}", Tensor(1.5, (x, y, z)), tuple((0.4 * rng.normal(size=3)).tolist())))
+        kind: JointType = "spherical" if number and seed > 3 else types[int(rng.integers(2))]
+        size, rates = (4, 3) if kind == "spherical" else (1, 1)
         joints.append(
             Joint(
-                *(f"j{number}", ("revolute", "prismatic")[int(rng.integers(2))], number - 1 if number else WORLD, number),
+                *(f"j{number}", kind, number - 1 if number else WORLD, number),
                 *(tuple((0.3 * rng.normal(size=3)).tolist()), tuple(rng.normal(size=4).tolist())),
                 axis=tuple(rng.normal(size=3).tolist()),
-                armature=0.05,
+                armature=0.05 * (size == 1),
                 damping=0.1 * number,
-                stiffness=5.0 * number,
-                start=(float(rng.normal()),),
-                start_velocity=(float(rng.normal()),),
+                stiffness=5.0 * number * (size == 1),
+                start=tuple(rng.normal(size=size).tolist()),
+                start_velocity=tuple(rng.normal(size=rates).tolist()),
             )
         )
     return Mechanism(tuple(bodies), tuple(joints), gravity=9.81)
@@ -57,7 +62,7 @@ def below(enclosure: Enclosure, found: Truth) -> list[str]:
     return [name for name in QUANTITIES if (enclosure.nearest[name] > getattr(found.bounds, name)).any()]
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(6))
 def test_no_printed_bound_of_a_tree_is_below_its_proof(seed: int) -> None:
     scene = two_links(seed)
     found = mechanism_truth(scene, np.linspace(0, 0.1, 5))
@@ -65,6 +70,66 @@ def test_no_printed_bound_of_a_tree_is_below_its_proof(seed: int) -> None:
     assert enclosure.until is None
     assert enclosure.radius < 2.0**-60
     assert below(enclosure, found) == []
+
+
+def test_a_free_body_with_an_arm_is_enclosed() -> None:
+    """A hub of a turned attitude, which is the child of no joint, and an arm on a hinge, in gravity."""
+    arm = two_links(0)
+    start = BodyStart((0.1, 0.2, 0.3), (0.9, 0.1, -0.3, 0.2), (1.0, -2.0, 0.5), (0.3, 1.5, -0.7))
+    hub = replace(arm.bodies[0], start=start)
+    scene = replace(arm, bodies=(hub, arm.bodies[1]), joints=(replace(arm.joints[1], type="revolute"),))
+    found = mechanism_truth(scene, np.linspace(0, 0.1, 5))
+    enclosure = proof(scene, found)
+    assert enclosure.until is None
+    assert below(enclosure, found) == []
+
+
+def test_errors_grow_no_more_than_those_of_the_motion() -> None:
+    """In 5 s errors of the double pendulum grow a million times; bounds that grow much faster would use up all bits."""
+    scene = load("double-pendulum").scene
+    assert isinstance(scene, Mechanism)
+    found = mechanism_truth(scene, np.linspace(0, 5, 11))
+    enclosure = proof(scene, found)
+    assert (enclosure.until, enclosure.bits) == (None, proving.BITS_OF_TREES[0])
+    assert enclosure.radius < 1e-18
+
+
+def test_polynomials_and_the_closed_form_enclose_the_same_pendulum() -> None:
+    """The balls of a swing by Jacobi's functions and those of the same pendulum as a tree overlap, though they are tiny."""
+    scene = load("pendulum-large").scene
+    assert isinstance(scene, Mechanism)
+    candidate = candidate_of(scene)
+    assert candidate is not None
+    with precision(160):
+        closed = one_joint.states(scene)
+        steps = validated.steps(trees.tree_of(scene), Fraction(1), candidate, 160, np.inf)
+        assert steps[-1].end >= 1
+        for step in steps:
+            (position,), (velocity,) = step.at(step.part.centre)
+            (exact, rate), *_ = closed(step.part.centre)
+            assert position.overlaps(exact)
+            assert velocity.overlaps(rate)
+            assert max(float(value.rad()) for value in (position, velocity)) < 1e-25
+
+
+def test_steps_follow_each_other_and_their_nodes_are_doubles() -> None:
+    scene = load("double-pendulum").scene
+    candidate, times = candidate_of(scene), list[float]()
+    assert isinstance(scene, Mechanism)
+    assert candidate is not None
+
+    def noted(instants: np.ndarray, bits: int) -> list[list[arb]]:
+        times.extend(instants.tolist())
+        return candidate(instants, bits)
+
+    with precision(64):
+        steps = polynomials.mesh(trees.tree_of(scene), Fraction(3, 2), noted)
+    ends = [centre + half for centre, half in steps]
+    assert [centre - half for centre, half in steps] == [0, *ends[:-1]]
+    assert ends[-1] >= Fraction(3, 2)
+    assert len({half for _, half in steps}) > 1
+    unit = min(half for _, half in steps) * Fraction(1, 2**polynomials.NODE_BITS)
+    assert all((Fraction(time) / unit).denominator == 1 for time in times)
 
 
 def cart_pole() -> Mechanism:
@@ -100,7 +165,7 @@ def test_a_candidate_that_is_wrong_proves_nothing() -> None:
         return [[value + arb(1e-9 * time**2) for value in row] for row, time in zip(rows, times.tolist(), strict=True)]
 
     with pytest.raises(proving.NotEnclosed):
-        proving.enclosed(scene, found.trajectory, found.joints, wrong)
+        proving.enclosed(scene, found.trajectory, found.joints, wrong, limit=0.0)
 
 
 def test_a_proof_that_has_no_more_time_says_until_when() -> None:
@@ -120,15 +185,16 @@ def test_derivatives_are_those_of_the_efforts() -> None:
         point = [[arb(float(value)) for value in row] for row in rng.normal(size=(3, size))]
 
         def efforts(values: list[list[arb]]) -> list[arb]:
-            return trees.efforts(tree, *values, [q.sin() for q in values[0]], [q.cos() for q in values[0]])  # type: ignore[call-arg]
+            return dynamics.efforts(tree, *values, [q.sin() for q in values[0]], [q.cos() for q in values[0]])  # type: ignore[call-arg]
 
-        exact, step = jacobians(tree, *point), arb(2) ** -60  # type: ignore[call-arg]
+        turns = [q.sin() for q in point[0]], [q.cos() for q in point[0]]
+        exact, step = [along(tree, point, turns, each_alone(size, part)) for part in range(3)], arb(2) ** -60  # type: ignore[call-arg]
         for part in range(3):
             for index in range(size):
                 moved = [list(row) for row in point]
                 moved[part][index] += step
                 slopes = [(a - b) / step for a, b in zip(efforts(moved), efforts(point), strict=True)]
-                assert all(abs(slope - exact[part][row][index]) < 1e-15 for row, slope in enumerate(slopes))
+                assert all(abs(slope - exact[part][row].get(index, 0)) < 1e-15 for row, slope in enumerate(slopes))
         mass = exact[2]
         assert all(mass[i][j].overlaps(mass[j][i]) for i in range(size) for j in range(size))
 
@@ -144,3 +210,24 @@ def test_a_damped_pendulum_is_followed_as_a_tree() -> None:
     enclosure = proof(scene, found)
     assert enclosure.way.startswith("validated polynomials")
     assert below(enclosure, found) == []
+
+
+def test_a_truth_of_a_ball_of_other_inertia_is_contradicted() -> None:
+    scene = load("spherical-pendulum").scene
+    assert isinstance(scene, Mechanism)
+    (body,) = scene.bodies
+    assert isinstance(body.inertia, Tensor)
+    (a, b, c), *others = body.inertia.rows
+    other = replace(
+        body, inertia=replace(body.inertia, rows=((a, b, c + 1e-6 * a), others[0], (others[1][0] + 1e-6 * a, *others[1][1:])))
+    )
+    found = mechanism_truth(replace(scene, bodies=(other,)), np.linspace(0, 0.2, 5))
+    assert below(proof(scene, found), found) != []
+
+
+def test_a_tree_is_enclosed_at_its_start_alone() -> None:
+    scene = cart_pole()
+    found = mechanism_truth(scene, np.zeros(1))
+    enclosure = proof(scene, found)
+    assert enclosure.until is None
+    assert enclosure.distance < 1e-15  # rounding of the printed attitude
