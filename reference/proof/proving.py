@@ -3,8 +3,6 @@
 import math
 import time
 from bisect import bisect_left
-from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -15,8 +13,6 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.proof import bodies, free_body, one_joint, validated
 from bodycheck.reference.proof.balls import (
     Ball,
-    Matrix,
-    Triple,
     angle_between,
     ball,
     distance,
@@ -26,14 +22,14 @@ from bodycheck.reference.proof.balls import (
     triple,
     upper,
 )
-from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
+from bodycheck.reference.proof.contact.scenes import touching
+from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, Interval, NotEnclosed
+from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Shown, States
 from bodycheck.reference.proof.trees import poses, tree_of
 from bodycheck.reference.proof.validated import Candidate
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-
-#: The method of proofs by closed forms.
-CLOSED_FORM = "closed form in ball arithmetic"
 
 #: The precisions (bits) that are tried in turn, and the radius of balls that is small enough (rad, m and the like).
 BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
@@ -78,10 +74,11 @@ def enclosed(
             try:
                 motion = _motion(scene, printed, candidate, bits, begin + limit)
                 compared = _compared(motion, printed, joints)
+                events = _events(motion, float(printed.t[-1]) if compared[3] is None else compared[3])
             except NotEnclosed as error:
                 reason = error
                 continue
-        enclosure = Enclosure(motion.way, bits, *compared, time.perf_counter() - begin)
+        enclosure = Enclosure(motion.way, bits, *compared, time.perf_counter() - begin, events)
         if enclosure.until is None:
             return enclosure
         if enclosure.until > (0.0 if best is None or best.until is None else best.until):
@@ -93,37 +90,10 @@ def enclosed(
     return best
 
 
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """The states of a motion at an instant: coordinates of joints with their velocities, and of each body in balls."""
-
-    coordinates: list[tuple[Ball, Ball]]
-    bodies: list[tuple[Triple, Matrix, Triple, Triple]]
-
-    @property
-    def radius(self) -> float:
-        """The largest radius of a ball; infinite if one has no bound."""
-        entries = [value for pair in self.coordinates for value in pair]
-        for position, attitude, velocity, rates in self.bodies:
-            entries += [*position, *velocity, *rates, *(entry for line in attitude for entry in line)]
-        return max(float(entry.rad()) for entry in entries) if all(entry.is_finite() for entry in entries) else math.inf
-
-
-#: A function from a time (s) to the states at it.
-States = Callable[[Fraction], Shown]
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """The method of a proof, the states as a function of time, and the time (s) until which it has them."""
-
-    way: str
-    states: States
-    until: Fraction | None = None
-
-
 def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
     """The motion of a scene in balls."""
+    if touches(scene):
+        return touching(scene)
     if isinstance(scene, Mechanism):
         if not one_joint.has_closed_form(scene):
             return _tree(scene, printed, candidate, bits, deadline)
@@ -210,6 +180,14 @@ def _compared(
         for name, values in _distances(shown, printed, joints, row).items():
             farthest[name][row], nearest[name][row] = max(map(upper, values)), max(map(lower, values))
     return largest, farthest, nearest, until
+
+
+def _events(motion: Motion, until: float) -> tuple[Interval, ...] | None:
+    """The events of a motion until an instant (s); None if it has none by its kind."""
+    if motion.changes is None:
+        return None
+    changes = motion.changes(Fraction(until))
+    return tuple(Interval(change.kind, change.body, lower(change.time), upper(change.time)) for change in changes)
 
 
 def _distances(shown: Shown, printed: Trajectory, joints: JointMotion | None, row: int) -> dict[str, list[Ball]]:

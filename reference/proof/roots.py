@@ -1,0 +1,35 @@
+"""Roots of functions of one number in balls: their existence and uniqueness by the interval Newton method."""
+
+from collections.abc import Callable
+
+from flint import arb, ctx
+
+from bodycheck.reference.proof.balls import Ball
+from bodycheck.reference.proof.enclosure import NotEnclosed
+
+#: The largest number of steps of Newton's method.
+MOST_STEPS = 200
+
+#: A function of a number, in balls.
+Function = Callable[[Ball], Ball]
+
+
+def root_near(value: Function, slope: Function, guess: Ball) -> Ball:
+    """Return a ball with exactly one root of a function near to a guess. Raises `NotEnclosed` if there may be none.
+
+    The interval Newton method: if m - f(m) / f'(X) is inside of X, X has one root, and it is there.
+    """
+    place = guess.mid()
+    for _ in range(MOST_STEPS):
+        step = (value(place) / slope(place)).mid()
+        if not step.is_finite():
+            raise NotEnclosed("a root that is not found")
+        place = (place - step).mid()
+        if abs(step) <= abs(place) * arb(2) ** (8 - ctx.prec) + arb(2) ** (-4 * ctx.prec):
+            break
+    spread = (abs(step) + abs((value(place) / slope(place)).upper()) + abs(place) * arb(2) ** (8 - ctx.prec)) * 4
+    around = arb(place, spread.upper())
+    inner = place - value(place) / slope(around)
+    if not around.contains_interior(inner):
+        raise NotEnclosed("a root that is not enclosed")
+    return inner
