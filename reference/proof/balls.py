@@ -139,9 +139,14 @@ def squared(value: Ball) -> Ball:
     return value * value
 
 
+def size_of(vector: Sequence[Ball]) -> Ball:
+    """Return the length of a vector, which may be zero."""
+    return root(sum((squared(part) for part in vector), arb(0)))
+
+
 def distance(one: Sequence[Ball], other: Sequence[Ball]) -> Ball:
     """Return the distance of two vectors."""
-    return root(sum((squared(a - b) for a, b in zip(one, other, strict=True)), arb(0)))
+    return size_of([a - b for a, b in zip(one, other, strict=True)])
 
 
 def angle_between(one: Matrix, other: Matrix) -> Ball:

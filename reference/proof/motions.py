@@ -93,7 +93,7 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A motion that consists of pieces, which are computed as far as they are asked for."""
+    """A motion that consists of pieces, which are computed as far as they are asked for. It may end with its last piece."""
 
     ahead: Iterator[Piece]
     known: list[Piece]
@@ -103,7 +103,10 @@ class Course:
         while not self.known or (self.known[-1].end is not None and self.known[-1].end <= t):
             if len(self.known) > MOST_PIECES:
                 raise NotEnclosed(f"a motion of more than {MOST_PIECES} pieces")
-            self.known.append(next(self.ahead))
+            piece = next(self.ahead, None)
+            if piece is None:
+                break
+            self.known.append(piece)
         return self.known
 
     def at(self, t: Fraction) -> Any:

@@ -22,7 +22,7 @@ from bodycheck.reference.proof.balls import (
     triple,
     upper,
 )
-from bodycheck.reference.proof.contact.scenes import touching
+from bodycheck.reference.proof.contact.scenes import sliding, touching
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, Interval, NotEnclosed
 from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Shown, States
 from bodycheck.reference.proof.trees import poses, tree_of
@@ -104,7 +104,9 @@ def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, b
             return Shown([coordinate], [tuple(states)])  # type: ignore[list-item]
 
         return Motion(CLOSED_FORM, at)
-    for kind, there in (("a plane", scene.plane is not None), ("drag", scene.drag), ("pushes", scene.pushes)):
+    if scene.plane is not None:
+        return sliding(scene)
+    for kind, there in (("drag", scene.drag), ("pushes", scene.pushes)):
         if there:
             raise NotEnclosed(kind)
     return Motion(CLOSED_FORM, _flight(scene))
@@ -168,6 +170,8 @@ def _compared(
     farthest, nearest = ({name: np.full(len(printed.t), np.nan) for name in names} for _ in range(2))
     largest, until = 0.0, None
     for row, instant in enumerate(printed.t.tolist()):
+        if np.isnan(printed.position[..., row, :]).any():  # mechanics determines no motion there
+            continue
         outside = motion.until is not None and Fraction(instant) > motion.until
         shown = None if outside else motion.states(Fraction(instant))
         radius = math.inf if shown is None else shown.radius

@@ -12,8 +12,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from bodycheck.reference.proof.balls import Ball, Matrix, Triple, ball, dot, scaled, squared, vector_sum
-from bodycheck.reference.proof.bodies import length
+from bodycheck.reference.proof.balls import Ball, Matrix, Triple, ball, dot, scaled, size_of, squared, vector_sum
 from bodycheck.reference.proof.contact.slipping import Hodograph, Pair, Slip, slipping
 from bodycheck.reference.proof.contact.start import NONE, Placed, Surroundings, diagonal
 from bodycheck.reference.proof.enclosure import NotEnclosed
@@ -96,7 +95,7 @@ def _level(axis: Triple, plane: Surroundings) -> Triple:
     """The axis of a cylinder without its component along the normal, perpendicular to the fall line of an incline."""
     if not plane.downhill.is_zero() and abs(axis[0]) <= NONE:
         return arb(0), axis[1].sgn(), arb(0)
-    size = length(axis[:2])
+    size = size_of(axis[:2])
     return axis[0] / size, axis[1] / size, arb(0)
 
 
@@ -115,17 +114,17 @@ def _round(body: Placed, law: Plane, plane: Surroundings, radius: float, moment:
 
 def _begun(body: Round, position: Triple, velocity: Triple, spin: Triple) -> Iterator[Piece]:
     """The pieces from the start on, whose distance from the plane, normal velocity and slip may count as zero."""
-    height, speed = position[2] - body.radius, length(velocity)
+    height, speed = position[2] - body.radius, size_of(velocity)
     touching = _counts_as_zero(height, body.radius)
     airborne = not touching or not _counts_as_zero(velocity[2], speed)
     slip: Pair = (velocity[0] - body.radius * spin[1], velocity[1] + body.radius * spin[0])
-    scale = speed + body.radius * length(spin)
+    scale = speed + body.radius * size_of(spin)
     start = Moving(arb(0), position, velocity, spin, slip, NO_TURN)
     if airborne:
         lower = position if not touching else (position[0], position[1], body.radius)
         return _bouncing(body, replace(start, position=lower), scale)
     start = replace(start, velocity=(velocity[0], velocity[1], arb(0)))
-    if (body.friction is None or body.friction > 0) and _counts_as_zero(length(slip), scale):
+    if (body.friction is None or body.friction > 0) and _counts_as_zero(size_of(slip), scale):
         start = replace(_pushed(body, start, scaled_pair(-body.ratio / (1 + body.ratio), slip)), slip=(arb(0), arb(0)))
     return _on_plane(body, start, scale)
 
@@ -211,7 +210,7 @@ def _impacted(body: Round, moving: Moving, speed: Ball) -> Moving:
     u, v, _ = moving.velocity
     moving = replace(moving, velocity=(u, v, body.restitution * speed))
     normal = (1 + body.restitution) * speed
-    size = length(moving.slip)
+    size = size_of(moving.slip)
     if _ends(body, size, normal):
         stopped = _pushed(body, moving, scaled_pair(-body.ratio / (1 + body.ratio), moving.slip))
         return replace(stopped, slip=(arb(0), arb(0)))
@@ -247,7 +246,7 @@ def _settled(body: Round, moving: Moving) -> tuple[Moving, Ball]:
     once = _ends(body, 2 * speed * body.downhill / body.onto, (1 + body.restitution) * speed)
     gripped = all(part.is_zero() for part in moving.slip) and once
     change = (body.downhill + body.slowing) * lasting
-    if not gripped and not (body.slowing.is_zero() or length(moving.slip) > change):
+    if not gripped and not (body.slowing.is_zero() or size_of(moving.slip) > change):
         raise NotEnclosed("a body of which it is not decided whether it slips after its impacts")
     position, velocity, spin, turned = _around(body, moving, lasting, lasting)
     about = _spread(change)
@@ -266,7 +265,7 @@ def _around(body: Round, moving: Moving, t: Ball, lasting: Ball) -> tuple[Triple
     p, q, r = moving.spin
     faster = about * 1 / (body.ratio * body.radius)
     spin = (p + faster, q + faster, r)
-    turn = after(constant(spin)(t), moving.turn) if smooth else _turned_at_most(moving.turn, length(spin) * t)
+    turn = after(constant(spin)(t), moving.turn) if smooth else _turned_at_most(moving.turn, size_of(spin) * t)
     return position, velocity, spin, turn
 
 
@@ -312,7 +311,7 @@ def _kind(body: Round, moving: Moving, scale: Ball) -> str:
     """The kind of the event with which a body begins to stay on the plane or ends to slip."""
     if not (all(part.is_zero() for part in moving.slip) and body.grips):
         return "slip"
-    speed = length(moving.velocity) + body.radius * abs(moving.spin[2])
+    speed = size_of(moving.velocity) + body.radius * abs(moving.spin[2])
     return "rest" if body.downhill.is_zero() and _counts_as_zero(speed, scale) else "roll"
 
 
@@ -374,8 +373,7 @@ def _after_slip(body: Round, moving: Moving, slip: Slip) -> Moving:
         turn = _turning(body, moving, slip)(slip.duration)
     else:
         turn = _at_infinity(body, moving, slip.hodograph, slip.duration)
-    moved = Moving(moving.time + slip.duration, position, velocity, spin, (arb(0), arb(0)), after(turn, moving.turn))
-    return moved
+    return Moving(moving.time + slip.duration, position, velocity, spin, (arb(0), arb(0)), after(turn, moving.turn))
 
 
 def _at_infinity(body: Round, moving: Moving, hodograph: Hodograph, duration: Ball) -> Turn:
@@ -383,5 +381,5 @@ def _at_infinity(body: Round, moving: Moving, hodograph: Hodograph, duration: Ba
     place = arb((arb(LAST_IMPACT).log() / (hodograph.downhill - hodograph.slowing)).mid())
     turn = _over_hodograph(body, moving, hodograph)(place)
     left = duration - hodograph.time(place)
-    fastest = length(moving.spin) + (2 * length(moving.slip) + duration * body.downhill) / (body.radius * (1 + body.ratio))
+    fastest = size_of(moving.spin) + (2 * size_of(moving.slip) + duration * body.downhill) / (body.radius * (1 + body.ratio))
     return _turned_at_most(turn, fastest * abs(left))

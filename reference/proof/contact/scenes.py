@@ -3,12 +3,15 @@
 from fractions import Fraction
 from typing import Any
 
+from flint import arb
+
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.proof.contact import rolling
+from bodycheck.reference.proof.balls import UNIT, ball
+from bodycheck.reference.proof.contact import braking, lying, rolling
 from bodycheck.reference.proof.contact.start import Placed, Surroundings, placed, surroundings
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Shown, course
-from bodycheck.reference.scene import Plane
+from bodycheck.reference.scene import Plane, Scene
 
 
 def touching(scene: AnyScene) -> Motion:
@@ -30,14 +33,42 @@ def _alone(scene: AnyScene, body: Placed, plane: Surroundings) -> Motion:
     law: Any = scene.plane
     if isinstance(scene, Mechanism):
         law = next((pair for pair in scene.contacts), law)
-    for kind, there in (("pushes", scene.pushes), ("drag", not isinstance(scene, Mechanism) and scene.drag)):
-        if there:
-            raise NotEnclosed(f"a body on a plane with {kind}")
     if law.rolling_friction or law.torsional_friction:
         raise NotEnclosed("rolling friction")
+    face = lying.face_of(body)
+    if face is not None:
+        return _lying(scene, body, face, law, plane)
     if not rolling.is_round(body.shape):
-        raise NotEnclosed("a body that lies, stands or falls on a plane")
+        raise NotEnclosed("a body that stands on an edge, or falls on a plane")
+    if scene.pushes:
+        raise NotEnclosed("pushes on a round body")
     return _round(body, law, plane)
+
+
+def _lying(scene: AnyScene, body: Placed, face: lying.Face, law: Plane, plane: Surroundings) -> Motion:
+    if any(not part.is_zero() for part in body.spin):
+        raise NotEnclosed("a block that spins under a push or on an incline")
+    pieces = course(lying.pieces(body, face, law, plane, scene.pushes))
+
+    def at(t: Fraction) -> Shown:
+        if not t:
+            return Shown([], [body.world])
+        (x, y), (u, v) = pieces.at(t)
+        still = (arb(0), arb(0), arb(0))
+        return Shown([], [plane.shown((x, y, body.position[2]), UNIT, body.attitude, (u, v, arb(0)), still)])
+
+    return Motion(CLOSED_FORM, at, changes=pieces.changes)
+
+
+def sliding(scene: Scene) -> Motion:
+    """Return the motion of one body that lies flat on a level plane. Raises `NotEnclosed` if there is no proof of it."""
+    assert scene.plane is not None
+    if scene.drag:
+        raise NotEnclosed("drag on a plane")
+    plane = surroundings(scene)
+    (body,) = placed(scene, plane)
+    states = braking.states(body, scene.plane, plane)
+    return Motion(CLOSED_FORM, lambda t: Shown([], [states(ball(t)) if t else body.world]))
 
 
 def _round(body: Placed, law: Plane, plane: Surroundings) -> Motion:

@@ -14,8 +14,7 @@ from typing import Any
 
 from flint import arb
 
-from bodycheck.reference.proof.balls import Ball
-from bodycheck.reference.proof.bodies import length
+from bodycheck.reference.proof.balls import Ball, size_of
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.roots import root_near
 
@@ -101,7 +100,7 @@ def slipping(slip: Pair, downhill: Ball, slowing: Ball) -> Slip:
     """Return the motion of a slip (m/s) under the accelerations g, along x, and c, against the slip (m/s^2)."""
     if downhill.is_zero() or slip[1].is_zero():
         return _straight(slip, downhill, slowing)
-    size = length(slip)
+    size = size_of(slip)
     turning = Hodograph(downhill, slowing, (size + slip[0]) / 2, (size - slip[0]) / 2, slip[1])
     if not (turning.along > 0 and turning.against > 0):
         raise NotEnclosed("a slip that may be along the fall line")
@@ -120,7 +119,7 @@ def slipping(slip: Pair, downhill: Ball, slowing: Ball) -> Slip:
 
 
 def _straight(slip: Pair, downhill: Ball, slowing: Ball) -> Slip:
-    size = length(slip)
+    size = size_of(slip)
     if size.is_zero():
         direction = (arb(1), arb(0))
     elif slip[1].is_zero():

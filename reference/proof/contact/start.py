@@ -46,8 +46,14 @@ class Surroundings:
 
     to_world: Matrix
     incline: Fraction
+    gravity: Fraction
     downhill: Ball
     onto: Ball
+
+    @property
+    def along(self) -> tuple[Fraction | Ball, Fraction | Ball]:
+        """Gravity downhill and against the normal, as rational numbers on a level plane."""
+        return (self.downhill, self.onto) if self.incline else (Fraction(0), self.gravity)
 
     def shown(
         self, position: Triple, turn: Matrix, attitude: Matrix, velocity: Triple, spin: Triple
@@ -63,8 +69,8 @@ def surroundings(scene: AnyScene) -> Surroundings:
     assert scene.plane is not None
     incline = Fraction(scene.plane.incline)
     sine, cosine = ball(incline).sin_cos()
-    gravity = ball(scene.gravity)
-    return Surroundings(about(1, sine, cosine), incline, gravity * sine, gravity * cosine)
+    gravity = Fraction(scene.gravity)
+    return Surroundings(about(1, sine, cosine), incline, gravity, ball(gravity) * sine, ball(gravity) * cosine)
 
 
 def placed(scene: AnyScene, plane: Surroundings) -> list[Placed]:
