@@ -1,7 +1,9 @@
 """The certificate of a truth: a proof or a cross-check, and the contradictions that make it fail."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import Literal
 
 import numpy as np
@@ -135,4 +137,25 @@ def proved(certificate: Certificate, enclosure: Enclosure) -> Certificate:
                 f"the printed bound of the error{what}, {printed[worst]:.2g} {unit} at t = {truth.trajectory.t[worst]:.6g} s, "
                 f"is smaller than the proved distance, {enclosure.nearest[name][worst]:.2g} {unit}"
             )
-    return replace(certificate, enclosure=enclosure, faults=tuple(faults))
+    return replace(certificate, enclosure=enclosure, faults=(*faults, *_faults_of_events(truth, enclosure)))
+
+
+def _faults_of_events(truth: Truth, enclosure: Enclosure) -> Iterator[str]:
+    """Yield where the events of a truth are not those of a proof, or farther from them than their printed bounds allow."""
+    if enclosure.events is None:
+        return
+    last = math.inf if enclosure.until is None else enclosure.until
+    printed = [event for event in truth.events if event.time <= last]
+    for event, proof in zip_longest(printed, enclosure.events):
+        if proof is None or (event is not None and (event.kind, event.body) != (proof.kind, proof.body)):
+            yield f"the truth has the event {event.kind} at t = {event.time:.12g} s, the proof does not have it"
+            return
+        if event is None:
+            if proof.end < truth.trajectory.t[-1]:
+                yield f"the proof has the event {proof.kind} at t = {proof.begin:.12g} s, the truth does not have it"
+            return
+        if (apart := proof.distance(event.time)) > event.error:
+            yield (
+                f"the printed bound of the instant of the event {event.kind} at t = {event.time:.12g} s, {event.error:.2g} s, is "
+                f"smaller than the proved distance, {apart:.2g} s"
+            )
