@@ -156,6 +156,6 @@ def _faults_of_events(truth: Truth, enclosure: Enclosure) -> Iterator[str]:
             return
         if (apart := proof.distance(event.time)) > event.error:
             yield (
-                f"the printed bound of the instant of the event {event.kind} at t = {event.time:.12g} s, {event.error:.2g} s, is "
-                f"smaller than the proved distance, {apart:.2g} s"
+                f"the printed bound of the instant of the event {event.kind} at t = {event.time:.12g} s, {event.error:.2g} s, "
+                f"is smaller than the proved distance, {apart:.2g} s"
             )

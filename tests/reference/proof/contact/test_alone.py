@@ -96,8 +96,8 @@ def test_events_are_compared_with_their_instants() -> None:
     enclosure = proving.enclosed(case.scene, found.trajectory)
     first, *rest = found.events
     assert faults_of(replace(found, events=(replace(first, time=first.time * (1 + 1e-12)), *rest)), enclosure) == [
-        f"the printed bound of the instant of the event impact at t = {first.time:.12g} s, {first.error:.2g} s, is smaller than "
-        f"the proved distance, {first.time * 1e-12:.2g} s"
+        f"the printed bound of the instant of the event impact at t = {first.time:.12g} s, {first.error:.2g} s, is smaller "
+        f"than the proved distance, {first.time * 1e-12:.2g} s"
     ]
     assert faults_of(replace(found, events=tuple(rest[:-1])), enclosure) != []
     assert faults_of(replace(found, events=(*found.events, replace(rest[-1], kind="slip"))), enclosure) == [
@@ -134,7 +134,7 @@ def test_gravity_on_a_ramp_next_to_the_friction_is_decided(incline: float, slide
         assert motion.changes is not None
         (then,), (now,) = (motion.states(Fraction(t)).bodies for t in (1, 100))
     assert slides == bool(now[0][0] > then[0][0])
-        assert [each.kind for each in motion.changes(Fraction(1))] == (["slip"] if slides else [])
+    assert [each.kind for each in motion.changes(Fraction(1))] == (["slip"] if slides else [])
 
 
 def test_reasons_why_there_is_no_proof() -> None:
