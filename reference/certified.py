@@ -144,18 +144,22 @@ def _faults_of_events(truth: Truth, enclosure: Enclosure) -> Iterator[str]:
     """Yield where the events of a truth are not those of a proof, or farther from them than their printed bounds allow."""
     if enclosure.events is None:
         return
-    last = math.inf if enclosure.until is None else enclosure.until
+    last = truth.trajectory.t[-1] if enclosure.until is None else enclosure.until
     printed = [event for event in truth.events if event.time <= last]
-    for event, proof in zip_longest(printed, enclosure.events):
-        if proof is None or (event is not None and (event.kind, event.body) != (proof.kind, proof.body)):
-            yield f"the truth has the event {event.kind} at t = {event.time:.12g} s, the proof does not have it"
-            return
-        if event is None:
-            if proof.end < truth.trajectory.t[-1]:
-                yield f"the proof has the event {proof.kind} at t = {proof.begin:.12g} s, the truth does not have it"
-            return
-        if (apart := proof.distance(event.time)) > event.error:
-            yield (
-                f"the printed bound of the instant of the event {event.kind} at t = {event.time:.12g} s, {event.error:.2g} s, "
-                f"is smaller than the proved distance, {apart:.2g} s"
-            )
+    for kind, body in sorted({(event.kind, event.body) for event in (*printed, *enclosure.events)}):
+        events = [event for event in printed if (event.kind, event.body) == (kind, body)]
+        proofs = [event for event in enclosure.events if (event.kind, event.body) == (kind, body)]
+        for event, proof in zip_longest(events, proofs):
+            if proof is None:
+                yield f"the truth has the event {kind} at t = {event.time:.12g} s, the proof does not have it"
+            elif event is None:
+                if proof.end < last:
+                    yield f"the proof has the event {kind} at t = {proof.begin:.12g} s, the truth does not have it"
+            elif (apart := proof.distance(event.time)) > event.error:
+                yield (
+                    f"the printed bound of the instant of the event {kind} at t = {event.time:.12g} s, {event.error:.2g} s, "
+                    f"is smaller than the proved distance, {apart:.2g} s"
+                )
+            else:
+                continue
+            break

@@ -12,10 +12,10 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from bodycheck.reference.proof.balls import Ball, dot
 from bodycheck.reference.proof.enclosure import NotEnclosed
-from bodycheck.reference.proof.roots import Function, root_near
+from bodycheck.reference.proof.roots import Function, first_change, root_near
 
-#: The number of steps in which a root is searched at once, and the largest number of halvings of an interval.
-STEPS, MOST_HALVINGS = 64, 60
+#: The number of steps in which a root is searched at once.
+STEPS = 64
 
 #: The length of a step in characteristic times of the system, and the part of it by which a root may be beyond its end.
 STEP, BEYOND = 1.0, 1.25
@@ -123,29 +123,5 @@ def _root_in_step(system: System, state: Row, guard: Guard, terms: int, *, at_st
     slope = polynomial.derivative()
     value: Function = lambda t: polynomial(t) + error  # noqa: E731
     steepness: Function = lambda t: slope(t) + slope_error  # noqa: E731
-    place = _first_change(value, steepness, step)
+    place = first_change(value, steepness, step)
     return None if place is None else root_near(value, steepness, place)
-
-
-def _first_change(value: Function, slope: Function, end: Ball) -> Ball | None:
-    """A time near to the first root until an end of a function that is positive at first and decreases there; None without one.
-
-    Intervals before have no root. An interval in which the function decreases, and is positive at its begin, has one or none.
-    """
-    waiting = [(arb(0), end, 0)]
-    while waiting:
-        low, high, depth = waiting.pop()
-        middle, half = ((low + high) / 2).mid(), ((high - low) / 2).upper()
-        steep = slope(arb(middle, half))
-        if value(middle) + steep * arb(0, half) > 0:
-            continue
-        if steep < 0 and value(low) > 0:
-            last = value(high)
-            if last > 0:
-                continue
-            if last < 0:
-                return middle
-        if depth > MOST_HALVINGS:
-            raise NotEnclosed("a change of a motion that is only touched")
-        waiting += [(middle, high, depth + 1), (low, middle, depth + 1)]
-    return None

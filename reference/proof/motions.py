@@ -78,17 +78,20 @@ class Piece:
         Its times (s); no end if it lasts for ever.
     at
         A function from the time since its begin (s) to states, which are balls and tuples of balls.
-    kinds
-        The kinds of the events at its end.
+    events
+        The kinds of the events at its end, each with the index of its body.
     jumps
         Whether the states jump at its end. At the end itself, the states are those of this piece.
+    phase
+        What the body does: "flies", "slips" or "rolls"; empty where nobody asks.
     """
 
     begin: Ball
     end: Ball | None
     at: Callable[[Ball], Any]
-    kinds: tuple[str, ...] = ()
+    events: tuple[tuple[str, int], ...] = ()
     jumps: bool = False
+    phase: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,11 +131,11 @@ class Course:
             shown = union(shown, pieces[number].at(time - pieces[number].begin))
         return shown
 
-    def changes(self, t: Fraction, body: int = 0) -> list[Change]:
-        """The events until a time (s), of a body that is given by its index."""
+    def changes(self, t: Fraction) -> list[Change]:
+        """The events until a time (s)."""
         time = ball(t)
         ended = (piece for piece in self.pieces_until(time) if piece.end is not None and not piece.end > time)
-        return [Change(kind, body, piece.end) for piece in ended for kind in piece.kinds]
+        return [Change(kind, body, piece.end) for piece in ended for kind, body in piece.events]
 
 
 def course(pieces: Iterator[Piece]) -> Course:

@@ -66,6 +66,8 @@ def enclosed(
         There is no proof of this motion.
     """
     begin = time.perf_counter()
+    if joints is not None and not joints.position.shape[-1]:
+        joints = None
     reason = NotEnclosed("balls that are too large")
     tried = BITS_OF_TREES if isinstance(scene, Mechanism) and not one_joint.has_closed_form(scene) else BITS
     best: Enclosure | None = None

@@ -12,8 +12,7 @@ from typing import Any
 
 from flint import acb, arb, arb_poly, arb_series, ctx
 
-from bodycheck.reference.proof.balls import Ball, Matrix, Triple, quaternion_rows, squared
-from bodycheck.reference.proof.bodies import length
+from bodycheck.reference.proof.balls import Ball, Matrix, Triple, quaternion_rows, size_of, squared
 from bodycheck.reference.proof.enclosure import NotEnclosed
 
 #: The largest number of steps of a rotation about an axis that turns.
@@ -99,7 +98,7 @@ def constant(spin: Triple) -> Callable[[Ball], Turn]:
     """Return the rotation with a constant angular velocity as a function of time."""
     if all(part.is_zero() for part in spin):
         return lambda _: NO_TURN
-    size = length(spin)
+    size = size_of(spin)
     if not size > 0:
         return varying(lambda _: spin)
     x, y, z = (part / size for part in spin)
@@ -111,7 +110,7 @@ def accelerated(spin: Triple, rate: Triple) -> Callable[[Ball], Turn]:
     if all(part.is_zero() for part in rate):
         return constant(spin)
     if all(part.is_zero() for part in spin):
-        size = length(rate)
+        size = size_of(rate)
         x, y, z = (part / size for part in rate)
         return lambda t: about_axis((x, y, z), size * t * t / 2)
     parts = list(zip(spin, rate, strict=True))
@@ -141,8 +140,10 @@ def varying(spin: Spin) -> Callable[[Ball], Turn]:
 
 def _length_of(spin: Spin, begin: Ball) -> Ball:
     """The exact length of a step, on whose disc the rotation does not grow too much."""
-    speed = float(length(spin(begin)).upper()) + 1e-9
-    step = arb(ANGLE / speed)
+    speed = size_of(spin(begin)).upper() + arb(2) ** -30
+    if not speed.is_finite():
+        raise NotEnclosed("a rotation of balls that are too large")
+    step = (arb(ANGLE) / speed).mid()
     while not _largest(spin, begin, DISC * step) * DISC * step / 2 < MOST_GROWTH:
         step = step / 2
     return step.mid()

@@ -96,16 +96,16 @@ def pieces(body: Placed, face: Face, law: Plane, plane: Surroundings, pushes: tu
         while end is None or not time >= end:
             rests = _rests(load, law, velocity)
             if not _stays(load, face, law, velocity, rests=rests):
-                yield Piece(time, time, _resting(position, velocity), ("tip",))
+                yield Piece(time, time, _resting(position, velocity), (("tip", 0),))
                 return
             if rests:
                 if moved:
-                    yield Piece(time, time, _resting(position, velocity), ("rest",))
+                    yield Piece(time, time, _resting(position, velocity), (("rest", 0),))
                 yield Piece(time, end, _resting(position, velocity))
                 moved = False
                 break
             if velocity[0].is_zero() and velocity[1].is_zero():
-                yield Piece(time, time, _resting(position, velocity), ("slip",))
+                yield Piece(time, time, _resting(position, velocity), (("slip", 0),))
             moved = True
             slide = _sliding(load, law, velocity)
             stops = None if slide.duration is None else time + slide.duration

@@ -30,7 +30,21 @@ States = tuple[Triple, Triple, Triple, Matrix]
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """A round body and its plane: r, k, mu (None if it is infinite), e, gravity, and whether a roll continues."""
+    """A round body and its plane.
+
+    Attributes
+    ----------
+    radius, ratio
+        r and k.
+    friction, restitution
+        mu, None if it is infinite, and e.
+    downhill, onto
+        Gravity along x and against the normal (m/s^2).
+    grips
+        Whether a body that rolls goes on to roll.
+    least
+        The speed after an impact below which no further impact is an event; None for `LAST_EVENT` of that of the first impact.
+    """
 
     radius: Ball
     ratio: Ball
@@ -39,6 +53,11 @@ class Round:
     downhill: Ball
     onto: Ball
     grips: bool
+    least: Ball | None = None
+
+    def slip(self, velocity: Triple, spin: Triple) -> Pair:
+        """The velocity of the point of contact."""
+        return velocity[0] - self.radius * spin[1], velocity[1] + self.radius * spin[0]
 
     @property
     def slowing(self) -> Ball:
@@ -80,7 +99,7 @@ def pieces(body: Placed, law: Plane, plane: Surroundings) -> Iterator[Piece]:
         if len(set(moments)) != 1:
             raise NotEnclosed("a sphere whose moments differ")
         around = _round(body, law, plane, radius, moments[0])
-        return _begun(around, body.position, body.velocity, body.spin)
+        return begun(around, body.position, body.velocity, body.spin)
     assert isinstance(body.shape, Cylinder)
     column: Triple = tuple(row[2] for row in body.attitude)  # type: ignore[assignment]
     if not abs(column[2]) <= NONE:
@@ -88,7 +107,7 @@ def pieces(body: Placed, law: Plane, plane: Surroundings) -> Iterator[Piece]:
     straight = _level(column, plane)
     along = scaled(-dot(body.velocity, straight), straight)
     around = _round(body, law, plane, body.shape.radius, moments[2])
-    return _begun(around, body.position, vector_sum(body.velocity, along), scaled(dot(body.spin, straight), straight))
+    return begun(around, body.position, vector_sum(body.velocity, along), scaled(dot(body.spin, straight), straight))
 
 
 def _level(axis: Triple, plane: Surroundings) -> Triple:
@@ -112,21 +131,23 @@ def _round(body: Placed, law: Plane, plane: Surroundings, radius: float, moment:
     return Round(ball(radius), ball(ratio), friction, ball(law.restitution), plane.downhill, plane.onto, grips)
 
 
-def _begun(body: Round, position: Triple, velocity: Triple, spin: Triple) -> Iterator[Piece]:
-    """The pieces from the start on, whose distance from the plane, normal velocity and slip may count as zero."""
+def begun(body: Round, position: Triple, velocity: Triple, spin: Triple, most: Ball | None = None) -> Iterator[Piece]:
+    """Return the pieces from t = 0 on, where a distance from the plane, a normal velocity and a slip may count as zero.
+
+    most: the size of speeds beside which a body is at rest; by default its own.
+    """
     height, speed = position[2] - body.radius, size_of(velocity)
     touching = _counts_as_zero(height, body.radius)
     airborne = not touching or not _counts_as_zero(velocity[2], speed)
-    slip: Pair = (velocity[0] - body.radius * spin[1], velocity[1] + body.radius * spin[0])
-    scale = speed + body.radius * size_of(spin)
+    slip, scale = body.slip(velocity, spin), speed + body.radius * size_of(spin)
     start = Moving(arb(0), position, velocity, spin, slip, NO_TURN)
     if airborne:
         lower = position if not touching else (position[0], position[1], body.radius)
-        return _bouncing(body, replace(start, position=lower), scale)
+        return bouncing(body, replace(start, position=lower), scale if most is None else most)
     start = replace(start, velocity=(velocity[0], velocity[1], arb(0)))
     if (body.friction is None or body.friction > 0) and _counts_as_zero(size_of(slip), scale):
         start = replace(_pushed(body, start, scaled_pair(-body.ratio / (1 + body.ratio), slip)), slip=(arb(0), arb(0)))
-    return _on_plane(body, start, scale)
+    return on_plane(body, start, scale if most is None else most)
 
 
 def _counts_as_zero(value: Ball, scale: Ball) -> bool:
@@ -151,25 +172,26 @@ def _pushed(body: Round, moving: Moving, change: Pair) -> Moving:
     return replace(moving, velocity=(u + x, v + y, w), spin=(p + y / arm, q - x / arm, r))
 
 
-def _bouncing(body: Round, moving: Moving, scale: Ball) -> Iterator[Piece]:
+def bouncing(body: Round, moving: Moving, scale: Ball) -> Iterator[Piece]:
+    """Yield the pieces of a body that flies, or hits the plane at once. scale: the size of speeds at the start (m/s)."""
     first: Ball | None = None
     listed = True
     while True:
         lasting, speed = _fall(body, moving)
-        states = _flying(body, moving)
+        states = flying(body, moving)
         if lasting is None:
-            yield Piece(moving.time, None, states)
+            yield Piece(moving.time, None, states, phase="flies")
             return
         end = moving.time + lasting
-        yield Piece(moving.time, end, states, ("impact",) if listed else (), jumps=True)
+        yield Piece(moving.time, end, states, (("impact", 0),) if listed else (), jumps=True, phase="flies")
         first = speed if first is None else first
         moving = _impacted(body, _at_end(body, moving, lasting), speed)
-        listed = bool(moving.velocity[2] > first * LAST_EVENT)
+        listed = bool(moving.velocity[2] > (first * LAST_EVENT if body.least is None else body.least))
         if not moving.velocity[2] > first * LAST_IMPACT:
             break
     settled, lasting = _settled(body, moving)
-    yield Piece(moving.time, settled.time, _settling(body, moving, lasting), (_kind(body, settled, scale),))
-    yield from _on_plane(body, settled, scale)
+    yield Piece(moving.time, settled.time, _settling(body, moving, lasting), ((kind_of(body, settled, scale), 0),))
+    yield from on_plane(body, settled, scale)
 
 
 def _fall(body: Round, moving: Moving) -> tuple[Ball | None, Ball]:
@@ -185,7 +207,8 @@ def _fall(body: Round, moving: Moving) -> tuple[Ball | None, Ball]:
     raise NotEnclosed("a body of which it is not decided whether it lands")
 
 
-def _flying(body: Round, moving: Moving) -> Callable[[Ball], States]:
+def flying(body: Round, moving: Moving) -> Callable[[Ball], States]:
+    """Return the states of a body that flies."""
     turning = constant(moving.spin)
 
     def states(t: Ball) -> States:
@@ -199,7 +222,7 @@ def _flying(body: Round, moving: Moving) -> Callable[[Ball], States]:
 
 def _at_end(body: Round, moving: Moving, t: Ball) -> Moving:
     """The body at the end of a flight, just before it hits the plane."""
-    position, velocity, spin, _ = _flying(body, moving)(t)
+    position, velocity, spin, _ = flying(body, moving)(t)
     slip = (moving.slip[0] + t * body.downhill, moving.slip[1])
     turn = after(constant(moving.spin)(t), moving.turn)
     return Moving(moving.time + t, (position[0], position[1], body.radius), velocity, spin, slip, turn)
@@ -285,16 +308,16 @@ def _settling(body: Round, moving: Moving, lasting: Ball) -> Callable[[Ball], St
     return states
 
 
-def _on_plane(body: Round, moving: Moving, scale: Ball) -> Iterator[Piece]:
-    """The pieces of a body that stays on the plane. scale: the size of speeds at the start (m/s)."""
+def on_plane(body: Round, moving: Moving, scale: Ball) -> Iterator[Piece]:
+    """Yield the pieces of a body that stays on the plane. scale: the size of speeds at the start (m/s)."""
     while not (all(part.is_zero() for part in moving.slip) and body.grips):
         slip = slipping(moving.slip, body.downhill, body.slowing)
         states = _slipped(body, moving, slip)
         if slip.duration is None:
-            yield Piece(moving.time, None, states)
+            yield Piece(moving.time, None, states, phase="slips")
             return
         ended = _after_slip(body, moving, slip)
-        yield Piece(moving.time, ended.time, states, (_kind(body, ended, scale),))
+        yield Piece(moving.time, ended.time, states, ((kind_of(body, ended, scale), 0),), phase="slips")
         moving = ended
     faster = body.downhill / (1 + body.ratio)
     turning = accelerated(moving.spin, (arb(0), faster / body.radius, arb(0)))
@@ -304,11 +327,11 @@ def _on_plane(body: Round, moving: Moving, scale: Ball) -> Iterator[Piece]:
         position, velocity = (x + t * (u + t * faster / 2), y + t * v, z), (u + t * faster, v, w)
         return position, velocity, (p, q + t * faster / body.radius, r), after(turning(t), moving.turn).matrix
 
-    yield Piece(moving.time, None, rolling)
+    yield Piece(moving.time, None, rolling, phase="rolls")
 
 
-def _kind(body: Round, moving: Moving, scale: Ball) -> str:
-    """The kind of the event with which a body begins to stay on the plane or ends to slip."""
+def kind_of(body: Round, moving: Moving, scale: Ball) -> str:
+    """Return the kind of the event with which a body begins to stay on the plane or ends to slip."""
     if not (all(part.is_zero() for part in moving.slip) and body.grips):
         return "slip"
     speed = size_of(moving.velocity) + body.radius * abs(moving.spin[2])

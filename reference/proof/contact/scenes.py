@@ -5,9 +5,9 @@ from typing import Any
 
 from flint import arb
 
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.proof.balls import UNIT, ball
-from bodycheck.reference.proof.contact import braking, lying, rolling
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.proof.balls import UNIT, applied, ball, transposed
+from bodycheck.reference.proof.contact import braking, colliding, lying, rolling
 from bodycheck.reference.proof.contact.start import Placed, Surroundings, placed, surroundings
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Shown, course
@@ -19,13 +19,39 @@ def touching(scene: AnyScene) -> Motion:
 
     Raises `NotEnclosed` if there is no proof of it.
     """
-    if scene.plane is None:
-        raise NotEnclosed("spheres that hit each other")
     plane = surroundings(scene)
     bodies = placed(scene, plane)
     if len(bodies) == 1:
         return _alone(scene, bodies[0], plane)
+    assert isinstance(scene, Mechanism)
+    if any(law.rolling_friction or law.torsional_friction for law in scene.contact_laws):
+        raise NotEnclosed("rolling friction of several bodies")
+    if len(bodies) == 2 and all(rolling.radius_of(body.shape) is not None for body in bodies) and not scene.pushes:
+        return _two(scene, bodies, plane)
     raise NotEnclosed("several bodies on a plane")
+
+
+def _law(scene: Mechanism, one: int, other: int) -> Any:
+    """The law of two bodies, given by their indices, of which one may be the plane; None if they do not touch."""
+    pair = min(one, other), max(one, other)
+    return next((each for each in scene.contacts if each.bodies == pair), scene.plane)
+
+
+def _two(scene: Mechanism, bodies: list[Placed], plane: Surroundings) -> Motion:
+    """The motion of two spheres."""
+    law = _law(scene, 0, 1)
+    if law is None:
+        raise NotEnclosed("bodies that pass through each other")
+    laws = [None if scene.plane is None else _law(scene, WORLD, index) for index in (0, 1)]
+    motion = course(colliding.pieces(bodies, law, laws, plane))
+
+    def at(t: Fraction) -> Shown:
+        if not t:
+            return Shown([], [body.world for body in bodies])
+        states = motion.at(t)
+        return Shown([], [(x, turn, v, applied(transposed(turn), spin)) for x, turn, v, spin in states])
+
+    return Motion(CLOSED_FORM, at, changes=motion.changes)
 
 
 def _alone(scene: AnyScene, body: Placed, plane: Surroundings) -> Motion:

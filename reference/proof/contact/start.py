@@ -65,9 +65,8 @@ class Surroundings:
 
 
 def surroundings(scene: AnyScene) -> Surroundings:
-    """Return the plane of a scene."""
-    assert scene.plane is not None
-    incline = Fraction(scene.plane.incline)
+    """Return the plane of a scene; without one, a level plane that nothing touches."""
+    incline = Fraction(0 if scene.plane is None else scene.plane.incline)
     sine, cosine = ball(incline).sin_cos()
     gravity = Fraction(scene.gravity)
     return Surroundings(about(1, sine, cosine), incline, gravity, ball(gravity) * sine, ball(gravity) * cosine)
