@@ -12,7 +12,7 @@ from typing import Any
 
 from flint import acb, arb, arb_poly, arb_series, ctx
 
-from bodycheck.reference.proof.balls import Ball, Matrix, Triple, quaternion_rows, size_of, squared
+from bodycheck.reference.proof.balls import Ball, Matrix, Triple, cross, dot, quaternion_rows, size_of, squared
 from bodycheck.reference.proof.enclosure import NotEnclosed
 
 #: The largest number of steps of a rotation about an axis that turns.
@@ -109,10 +109,11 @@ def accelerated(spin: Triple, rate: Triple) -> Callable[[Ball], Turn]:
     """Return the rotation with an angular velocity that changes at a constant rate, both along fixed axes."""
     if all(part.is_zero() for part in rate):
         return constant(spin)
-    if all(part.is_zero() for part in spin):
+    if all(part.is_zero() for part in cross(spin, rate)):
         size = size_of(rate)
         x, y, z = (part / size for part in rate)
-        return lambda t: about_axis((x, y, z), size * t * t / 2)
+        along = dot(spin, (x, y, z))
+        return lambda t: about_axis((x, y, z), t * (along + size * t / 2))
     parts = list(zip(spin, rate, strict=True))
     a, b, c = ((lambda s, w=w, r=r: w + s * r) for w, r in parts)
     return varying(lambda s: (a(s), b(s), c(s)))

@@ -49,6 +49,11 @@ class Face:
             return False
         raise NotEnclosed("a block of which it is not decided whether it tips")
 
+    def holds(self, x: Ball, y: Ball) -> bool:
+        """Return whether a point, from the foot of the centre of mass, is known to be inside the face."""
+        inside = all(abs(x * a + y * b) < half for (a, b), half in self.edges)
+        return inside and (self.radius is None or bool(size_of((x, y)) < self.radius))
+
     @property
     def smallest(self) -> Ball:
         """The distance of the foot of the centre of mass from the border."""
@@ -57,7 +62,13 @@ class Face:
 
 
 def face_of(body: Placed) -> Face | None:
-    """Return the face on which a body lies; None for a body that does not lie flat."""
+    """Return the face on which a body lies; None for a body that does not lie flat on the plane."""
+    face = at_height(body)
+    return face if face is not None and abs(body.position[2] - face.height) <= NONE * face.height else None
+
+
+def at_height(body: Placed) -> Face | None:
+    """Return the face of a brick or cylinder that is parallel to the plane, at any height; None for another body."""
     columns = transposed(body.attitude)
     match body.shape:
         case Brick(semi_axes):
@@ -67,7 +78,7 @@ def face_of(body: Placed) -> Face | None:
         case _:
             return None
     up = next((axis for axis in axes if size_of(columns[axis][:2]) <= NONE), None)
-    if up is None or not abs(body.position[2] - halves[up]) <= NONE * halves[up]:
+    if up is None:
         return None
     if isinstance(body.shape, Cylinder):
         return Face(halves[2], (), halves[0])

@@ -137,20 +137,20 @@ def begun(body: Round, position: Triple, velocity: Triple, spin: Triple, most: B
     most: the size of speeds beside which a body is at rest; by default its own.
     """
     height, speed = position[2] - body.radius, size_of(velocity)
-    touching = _counts_as_zero(height, body.radius)
-    airborne = not touching or not _counts_as_zero(velocity[2], speed)
+    touching = counts_as_zero(height, body.radius)
+    airborne = not touching or not counts_as_zero(velocity[2], speed)
     slip, scale = body.slip(velocity, spin), speed + body.radius * size_of(spin)
     start = Moving(arb(0), position, velocity, spin, slip, NO_TURN)
     if airborne:
         lower = position if not touching else (position[0], position[1], body.radius)
         return bouncing(body, replace(start, position=lower), scale if most is None else most)
     start = replace(start, velocity=(velocity[0], velocity[1], arb(0)))
-    if (body.friction is None or body.friction > 0) and _counts_as_zero(size_of(slip), scale):
+    if (body.friction is None or body.friction > 0) and counts_as_zero(size_of(slip), scale):
         start = replace(_pushed(body, start, scaled_pair(-body.ratio / (1 + body.ratio), slip)), slip=(arb(0), arb(0)))
     return on_plane(body, start, scale if most is None else most)
 
 
-def _counts_as_zero(value: Ball, scale: Ball) -> bool:
+def counts_as_zero(value: Ball, scale: Ball) -> bool:
     """Return whether a value at t = 0 counts as zero beside the size of its terms."""
     if value.is_zero() or abs(value) <= NONE * scale:
         return True
@@ -335,7 +335,7 @@ def kind_of(body: Round, moving: Moving, scale: Ball) -> str:
     if not (all(part.is_zero() for part in moving.slip) and body.grips):
         return "slip"
     speed = size_of(moving.velocity) + body.radius * abs(moving.spin[2])
-    return "rest" if body.downhill.is_zero() and _counts_as_zero(speed, scale) else "roll"
+    return "rest" if body.downhill.is_zero() and counts_as_zero(speed, scale) else "roll"
 
 
 def _slipped(body: Round, moving: Moving, slip: Slip) -> Callable[[Ball], States]:

@@ -1,5 +1,6 @@
 """The motion of a scene of bodies that touch, in balls."""
 
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -7,10 +8,10 @@ from flint import arb
 
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
 from bodycheck.reference.proof.balls import UNIT, applied, ball, transposed
-from bodycheck.reference.proof.contact import braking, colliding, lying, rolling
+from bodycheck.reference.proof.contact import braking, colliding, lying, resisting, rolling, standing
 from bodycheck.reference.proof.contact.start import Placed, Surroundings, placed, surroundings
 from bodycheck.reference.proof.enclosure import NotEnclosed
-from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Shown, course
+from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Piece, Shown, course
 from bodycheck.reference.scene import Plane, Scene
 
 
@@ -28,7 +29,10 @@ def touching(scene: AnyScene) -> Motion:
         raise NotEnclosed("rolling friction of several bodies")
     if len(bodies) == 2 and all(rolling.radius_of(body.shape) is not None for body in bodies) and not scene.pushes:
         return _two(scene, bodies, plane)
-    raise NotEnclosed("several bodies on a plane")
+    if scene.plane is None or scene.pushes:
+        raise NotEnclosed("several bodies that touch")
+    standing.check(bodies, lambda one, other: _law(scene, one, other), plane)
+    return Motion(CLOSED_FORM, lambda _: Shown([], [body.world for body in bodies]), changes=lambda _: [])
 
 
 def _law(scene: Mechanism, one: int, other: int) -> Any:
@@ -60,7 +64,7 @@ def _alone(scene: AnyScene, body: Placed, plane: Surroundings) -> Motion:
     if isinstance(scene, Mechanism):
         law = next((pair for pair in scene.contacts), law)
     if law.rolling_friction or law.torsional_friction:
-        raise NotEnclosed("rolling friction")
+        return _round(resisting.pieces(body, law, plane), body, plane)
     face = lying.face_of(body)
     if face is not None:
         return _lying(scene, body, face, law, plane)
@@ -68,7 +72,7 @@ def _alone(scene: AnyScene, body: Placed, plane: Surroundings) -> Motion:
         raise NotEnclosed("a body that stands on an edge, or falls on a plane")
     if scene.pushes:
         raise NotEnclosed("pushes on a round body")
-    return _round(body, law, plane)
+    return _round(rolling.pieces(body, law, plane), body, plane)
 
 
 def _lying(scene: AnyScene, body: Placed, face: lying.Face, law: Plane, plane: Surroundings) -> Motion:
@@ -97,8 +101,8 @@ def sliding(scene: Scene) -> Motion:
     return Motion(CLOSED_FORM, lambda t: Shown([], [states(ball(t)) if t else body.world]))
 
 
-def _round(body: Placed, law: Plane, plane: Surroundings) -> Motion:
-    phases = course(rolling.pieces(body, law, plane))
+def _round(pieces: Iterator[Piece], body: Placed, plane: Surroundings) -> Motion:
+    phases = course(pieces)
 
     def at(t: Fraction) -> Shown:
         if not t:
