@@ -10,9 +10,10 @@ import numpy as np
 
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.proof import bodies, free_body, one_joint, validated
+from bodycheck.reference.proof import bodies, drag, free_body, one_joint, validated
 from bodycheck.reference.proof.balls import (
     Ball,
+    Triple,
     angle_between,
     ball,
     distance,
@@ -21,6 +22,7 @@ from bodycheck.reference.proof.balls import (
     precision,
     triple,
     upper,
+    vector_sum,
 )
 from bodycheck.reference.proof.contact.scenes import sliding, touching
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, Interval, NotEnclosed
@@ -108,9 +110,8 @@ def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, b
         return Motion(CLOSED_FORM, at)
     if scene.plane is not None:
         return sliding(scene)
-    for kind, there in (("drag", scene.drag), ("pushes", scene.pushes)):
-        if there:
-            raise NotEnclosed(kind)
+    if scene.pushes:
+        raise NotEnclosed("pushes")
     return Motion(CLOSED_FORM, _flight(scene))
 
 
@@ -153,10 +154,16 @@ def _flight(scene: Scene) -> States:
     begin, speed = ([Fraction(value) for value in values] for values in (scene.initial.position, scene.initial.velocity))
     gravity = (Fraction(0), Fraction(0), -Fraction(scene.gravity))
 
+    def falling(t: Fraction) -> tuple[Triple, Triple]:
+        way = triple([v * t + g * t * t / 2 for v, g in zip(speed, gravity, strict=True)])
+        return way, triple([v + g * t for v, g in zip(speed, gravity, strict=True)])
+
+    flying = drag.flight(tuple(speed), Fraction(scene.drag) / Fraction(scene.body.mass), -gravity[2]) if scene.drag else falling
+
     def at(t: Fraction) -> Shown:
         attitude, rates = rotation(t)
-        position = triple([x + v * t + g * t * t / 2 for x, v, g in zip(begin, speed, gravity, strict=True)])
-        return Shown([], [(position, attitude, triple([v + g * t for v, g in zip(speed, gravity, strict=True)]), rates)])
+        way, velocity = flying(t)
+        return Shown([], [(vector_sum(triple(begin), way), attitude, velocity, rates)])
 
     return at
 

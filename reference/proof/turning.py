@@ -147,13 +147,15 @@ def _length_of(spin: Spin, begin: Ball) -> Ball:
     step = (arb(ANGLE) / speed).mid()
     while not _largest(spin, begin, DISC * step) * DISC * step / 2 < MOST_GROWTH:
         step = step / 2
+        if step < arb(2) ** -ctx.prec:
+            raise NotEnclosed("a rotation of balls that are too large")
     return step.mid()
 
 
 def _largest(spin: Spin, centre: Ball, radius: Ball) -> Ball:
     """A bound of the length of the angular velocity on a disc."""
     most = radius.upper()
-    return sum((abs(part) ** 2 for part in spin(acb(arb(centre, most), arb(0, most)))), arb(0)).sqrt().upper()
+    return size_of([abs(part) for part in spin(acb(arb(centre, most), arb(0, most)))]).upper()
 
 
 def _begun(spin: Spin, begin: Ball, before: Turn) -> _Step:
