@@ -24,12 +24,11 @@ from bodycheck.reference.proof.balls import (
     upper,
     vector_sum,
 )
-from bodycheck.reference.proof.contact.scenes import sliding, touching
+from bodycheck.reference.proof.contact.scenes import touching
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, Interval, NotEnclosed
 from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Shown, States
 from bodycheck.reference.proof.trees import poses, tree_of
 from bodycheck.reference.proof.validated import Candidate
-from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -96,7 +95,7 @@ def enclosed(
 
 def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, bits: int, deadline: float) -> Motion:
     """The motion of a scene in balls."""
-    if touches(scene):
+    if scene.plane is not None or (isinstance(scene, Mechanism) and scene.contacts):
         return touching(scene)
     if isinstance(scene, Mechanism):
         if not one_joint.has_closed_form(scene):
@@ -108,8 +107,6 @@ def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, b
             return Shown([coordinate], [tuple(states)])  # type: ignore[list-item]
 
         return Motion(CLOSED_FORM, at)
-    if scene.plane is not None:
-        return sliding(scene)
     if scene.pushes:
         raise NotEnclosed("pushes")
     return Motion(CLOSED_FORM, _flight(scene))

@@ -1,5 +1,6 @@
 """The motion of a scene of bodies that touch, in balls."""
 
+import math
 from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
@@ -7,12 +8,12 @@ from typing import Any
 from flint import arb
 
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
-from bodycheck.reference.proof.balls import UNIT, applied, ball, transposed
+from bodycheck.reference.proof.balls import UNIT, applied, ball, size_of, transposed
 from bodycheck.reference.proof.contact import braking, colliding, lying, resisting, rolling, standing
-from bodycheck.reference.proof.contact.start import Placed, Surroundings, placed, surroundings
+from bodycheck.reference.proof.contact.start import NONE, Placed, Surroundings, placed, surroundings
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Piece, Shown, course
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Plane
 
 
 def touching(scene: AnyScene) -> Motion:
@@ -63,9 +64,14 @@ def _alone(scene: AnyScene, body: Placed, plane: Surroundings) -> Motion:
     law: Any = scene.plane
     if isinstance(scene, Mechanism):
         law = next((pair for pair in scene.contacts), law)
+    elif scene.drag:
+        raise NotEnclosed("drag on a plane")
     if law.rolling_friction or law.torsional_friction:
         return _round(resisting.pieces(body, law, plane), body, plane)
     face = lying.face_of(body)
+    if face is not None and _slides(scene, body, plane):
+        states = braking.states(body, law, plane)
+        return Motion(CLOSED_FORM, lambda t: Shown([], [states(ball(t)) if t else body.world]))
     if face is not None:
         return _lying(scene, body, face, law, plane)
     if not rolling.is_round(body.shape):
@@ -73,6 +79,13 @@ def _alone(scene: AnyScene, body: Placed, plane: Surroundings) -> Motion:
     if scene.pushes:
         raise NotEnclosed("pushes on a round body")
     return _round(rolling.pieces(body, law, plane), body, plane)
+
+
+def _slides(scene: AnyScene, body: Placed, plane: Surroundings) -> bool:
+    """Return whether a body that lies flat does so across its axis K on a level plane, with friction over an area."""
+    if isinstance(scene, Mechanism) or plane.incline or scene.pushes or scene.plane is None or math.isinf(scene.plane.friction):
+        return False
+    return bool(size_of((body.attitude[0][2], body.attitude[1][2])) <= NONE)
 
 
 def _lying(scene: AnyScene, body: Placed, face: lying.Face, law: Plane, plane: Surroundings) -> Motion:
@@ -88,17 +101,6 @@ def _lying(scene: AnyScene, body: Placed, face: lying.Face, law: Plane, plane: S
         return Shown([], [plane.shown((x, y, body.position[2]), UNIT, body.attitude, (u, v, arb(0)), still)])
 
     return Motion(CLOSED_FORM, at, changes=pieces.changes)
-
-
-def sliding(scene: Scene) -> Motion:
-    """Return the motion of one body that lies flat on a level plane. Raises `NotEnclosed` if there is no proof of it."""
-    assert scene.plane is not None
-    if scene.drag:
-        raise NotEnclosed("drag on a plane")
-    plane = surroundings(scene)
-    (body,) = placed(scene, plane)
-    states = braking.states(body, scene.plane, plane)
-    return Motion(CLOSED_FORM, lambda t: Shown([], [states(ball(t)) if t else body.world]))
 
 
 def _round(pieces: Iterator[Piece], body: Placed, plane: Surroundings) -> Motion:
