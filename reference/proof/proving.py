@@ -10,7 +10,7 @@ import numpy as np
 
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.proof import bodies, drag, free_body, one_joint, validated
+from bodycheck.reference.proof import bodies, drag, free_body, one_joint, tops, validated
 from bodycheck.reference.proof.balls import (
     Ball,
     Triple,
@@ -67,10 +67,11 @@ def enclosed(
         There is no proof of this motion.
     """
     begin = time.perf_counter()
-    if joints is not None and not joints.position.shape[-1]:
-        joints = None
+    if isinstance(scene, Mechanism) and (not scene.joints or tops.on_ball_joint(scene)):
+        joints = None  # the attitude of a body on a ball joint is its coordinate
     reason = NotEnclosed("balls that are too large")
-    tried = BITS_OF_TREES if isinstance(scene, Mechanism) and not one_joint.has_closed_form(scene) else BITS
+    closed = not isinstance(scene, Mechanism) or not scene.joints or one_joint.has_closed_form(scene)
+    tried = BITS if closed else BITS_OF_TREES
     best: Enclosure | None = None
     for bits in tried:
         with precision(bits):
@@ -98,6 +99,9 @@ def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, b
     if scene.plane is not None or (isinstance(scene, Mechanism) and scene.contacts):
         return touching(scene)
     if isinstance(scene, Mechanism):
+        if tops.on_ball_joint(scene):
+            of_top = tops.states(scene)
+            return Motion("Taylor series with Cauchy's bound", lambda t: Shown([], [of_top(t)]))
         if not one_joint.has_closed_form(scene):
             return _tree(scene, printed, candidate, bits, deadline)
         of_joint = one_joint.states(scene)

@@ -62,12 +62,13 @@ def about_axis(unit: Triple, angle: Ball) -> Turn:
 
 def after(second: Turn, first: Turn) -> Turn:
     """Return a rotation that comes after another one, both along fixed axes."""
-    parts = _product(second.parts, first.parts)
+    parts = quaternion_product(second.parts, first.parts)
     longer = 1 + first.radius
     return turn_of(parts, second.radius * longer + first.radius * (1 + second.radius))
 
 
-def _product(one: Sequence[Any], other: Sequence[Any]) -> tuple[Any, Any, Any, Any]:
+def quaternion_product(one: Sequence[Any], other: Sequence[Any]) -> tuple[Any, Any, Any, Any]:
+    """Return the product of two quaternions."""
     (a, b, c, d), (w, x, y, z) = one, other
     return (
         a * w - b * x - c * y - d * z,
@@ -172,7 +173,7 @@ def _begun(spin: Spin, begin: Ball, before: Turn) -> _Step:
     speeds = [[part[n] if n < len(part) else arb(0) for part in rates] for n in range(count)]
     terms_of = [(arb(1), arb(0), arb(0), arb(0))]
     for n in range(terms):
-        products = [_product((arb(0), *speeds[j]), terms_of[n - j]) for j in range(min(count, n + 1))]
+        products = [quaternion_product((arb(0), *speeds[j]), terms_of[n - j]) for j in range(min(count, n + 1))]
         terms_of.append(tuple(sum(column, arb(0)) / (2 * (n + 1)) for column in zip(*products, strict=True)))  # type: ignore[arg-type]
     disc = DISC * step
     growth = (_largest(spin, begin, disc) * disc / 2).exp()

@@ -191,3 +191,30 @@ def test_reasons_why_there_is_no_proof() -> None:
     found = mechanism_truth(scene, np.zeros(1))
     with pytest.raises(NotEnclosed, match="a sampled law beside dry friction"):
         proof(scene, found)
+
+
+def top(seed: int) -> Mechanism:
+    """A body with two equal moments and its centre of mass on its axis, on a turned ball joint, with gravity in most scenes."""
+    rng = np.random.default_rng(seed)
+    length, moments = float(rng.uniform(0.1, 0.5)), (0.02, 0.02, float(rng.uniform(0.01, 0.03)))
+    rows = tuple(tuple(float(moments[i] if i == j else 0.0) for j in range(3)) for i in range(3))
+    joint = Joint(
+        *("point", "spherical", WORLD, 0, (0.1, 0.2, 0.3), tuple(rng.normal(size=4).tolist())),
+        start=tuple(rng.normal(size=4).tolist()),
+        start_velocity=tuple((3 * rng.normal(size=3)).tolist()),
+    )
+    body = JointedBody("top", Tensor(1.5, rows), (0.0, 0.0, length))  # type: ignore[arg-type]
+    return Mechanism((body,), (joint,), gravity=9.81 * (seed % 3 > 0))
+
+
+@pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=pytest.mark.slow)])
+def test_a_top_on_a_ball_joint_is_enclosed(seed: int) -> None:
+    scene = top(seed)
+    found = mechanism_truth(scene, np.linspace(0, 0.5, 5))
+    enclosure = proof(scene, found)
+    assert enclosure.radius <= 2.0**-60
+    assert below(enclosure, found) == []
+    (joint,) = scene.joints
+    faster = replace(joint, start_velocity=(joint.start_velocity[0] * (1 + 1e-9), *joint.start_velocity[1:]))
+    wrong = mechanism_truth(replace(scene, joints=(faster,)), np.linspace(0, 0.5, 5))
+    assert "error" in below(proof(scene, wrong), wrong)
