@@ -45,7 +45,7 @@ class Enclosure:
     until
         The instant (s) up to which the motion is enclosed; the distances at later instants are NaN. None if all is.
     seconds
-        The time that the proof took (s).
+        The processor time of the proof (s).
     events
         The events until then, in ascending order of time; None if the proof has none of them.
     """

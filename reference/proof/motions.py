@@ -82,6 +82,8 @@ class Piece:
         The kinds of the events at its end, each with the index of its body.
     jumps
         Whether the states jump at its end. At the end itself, the states are those of this piece.
+    ends_at
+        A function that says whether it ends exactly at a time (s); None if nothing can say so.
     phase
         What the body does: "flies", "slips" or "rolls"; empty where nobody asks.
     """
@@ -91,6 +93,7 @@ class Piece:
     at: Callable[[Ball], Any]
     events: tuple[tuple[str, int], ...] = ()
     jumps: bool = False
+    ends_at: Callable[[Fraction], bool] | None = None
     phase: str = ""
 
 
@@ -118,10 +121,10 @@ class Course:
         pieces = self.pieces_until(time)
         near = bisect_right(pieces, float(t), key=lambda piece: float(piece.begin.mid()))
         number = min(near, len(pieces) - 1)  # one more than is needed, because of roundings
-        while number and time <= pieces[number].begin:
+        while number and (time <= pieces[number].begin or _ends(pieces[number - 1], t)):
             number -= 1
         piece = pieces[number]
-        if piece.end is not None and not time <= piece.end:
+        if piece.end is not None and not (time <= piece.end or _ends(piece, t)):
             raise NotEnclosed("an instant at which a motion may change")
         shown = piece.at(time - piece.begin)
         while number and not time > pieces[number].begin:  # it may be within the piece before
@@ -136,6 +139,11 @@ class Course:
         time = ball(t)
         ended = (piece for piece in self.pieces_until(time) if piece.end is not None and not piece.end > time)
         return [Change(kind, body, piece.end) for piece in ended for kind, body in piece.events]
+
+
+def _ends(piece: Piece, t: Fraction) -> bool:
+    """Return whether a piece is known to end exactly at a time."""
+    return piece.ends_at is not None and piece.ends_at(t)
 
 
 def course(pieces: Iterator[Piece]) -> Course:

@@ -66,7 +66,7 @@ def enclosed(
     NotEnclosed
         There is no proof of this motion.
     """
-    begin = time.perf_counter()
+    begin, busy = time.perf_counter(), time.process_time()
     if isinstance(scene, Mechanism) and (not scene.joints or tops.on_ball_joint(scene)):
         joints = None  # the attitude of a body on a ball joint is its coordinate
     reason = NotEnclosed("balls that are too large")
@@ -82,7 +82,7 @@ def enclosed(
             except NotEnclosed as error:
                 reason = error
                 continue
-        enclosure = Enclosure(motion.way, bits, *compared, time.perf_counter() - begin, events)
+        enclosure = Enclosure(motion.way, bits, *compared, time.process_time() - busy, events)
         if enclosure.until is None:
             return enclosure
         if enclosure.until > (0.0 if best is None or best.until is None else best.until):

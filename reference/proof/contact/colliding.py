@@ -36,6 +36,9 @@ from bodycheck.reference.proof.roots import first_change, root_near
 from bodycheck.reference.proof.turning import NO_TURN
 from bodycheck.reference.scene import Plane
 
+#: A function from a time (s) to whether two spheres touch exactly then.
+Meet = Callable[[Fraction], bool]
+
 #: The time (s) until which a hit is searched if neither sphere begins another piece.
 LONGEST = arb(2) ** 20
 
@@ -76,8 +79,13 @@ class Course:
 Pair = tuple[Course, Course]
 
 
-def pieces(bodies: list[Placed], law: PairContact | Plane, laws: list[Plane | None], around: Surroundings) -> Iterator[Piece]:
-    """Yield the pieces of the motion of two spheres, whose states are those of each, with velocities along fixed axes."""
+def pieces(
+    bodies: list[Placed], law: PairContact | Plane, laws: list[Plane | None], around: Surroundings, meet: Meet | None
+) -> Iterator[Piece]:
+    """Yield the pieces of the motion of two spheres, whose states are those of each, with velocities along fixed axes.
+
+    meet: whether spheres that fly from the start on touch exactly at a time (s); None if it is not known that they fly.
+    """
     spheres = [_sphere(body, each, around) for body, each in zip(bodies, laws, strict=True)]
     sizes = [size_of(b.velocity) + s.round.radius * size_of(b.spin) for b, s in zip(bodies, spheres, strict=True)]
     scale = sizes[0].max(sizes[1])
@@ -87,7 +95,8 @@ def pieces(bodies: list[Placed], law: PairContact | Plane, laws: list[Plane | No
         raise NotEnclosed("spheres that may touch at the start")
     pair, begin, touch = (one, other), arb(0), False
     while True:
-        begin, pair = yield from _until_hit(pair, begin, reach, touch=touch)
+        begin, pair = yield from _until_hit(pair, begin, reach, meet, touch=touch)
+        meet = None
         impulse, events = _impulse(pair, begin, law), [("impact", 0), ("impact", 1)]
         struck = []
         for index in (0, 1):
@@ -125,7 +134,7 @@ def _begun(sphere: Sphere, body: Placed, scale: Ball) -> Course:
     return _course(sphere, iter([Piece(arb(0), None, rolling.flying(sphere.round, start), phase="flies")]))
 
 
-def _until_hit(pair: Pair, begin: Ball, reach: Ball, *, touch: bool) -> Iterator[Piece]:  # type: ignore[misc]
+def _until_hit(pair: Pair, begin: Ball, reach: Ball, meet: Meet | None, *, touch: bool) -> Iterator[Piece]:  # type: ignore[misc]
     """Yield the pieces until the spheres hit each other, and return the time of this with the pieces then."""
     while True:
         ends = [course.piece.end for course in pair]
@@ -134,7 +143,7 @@ def _until_hit(pair: Pair, begin: Ball, reach: Ball, *, touch: bool) -> Iterator
         hit = _hit(pair, begin, reach, span, touch=touch)
         states = _both(pair, begin)
         if hit is not None:
-            yield Piece(begin, begin + hit, states, jumps=True)
+            yield Piece(begin, begin + hit, states, jumps=True, ends_at=meet)
             return begin + hit, pair
         if first is None:
             yield Piece(begin, None, states)

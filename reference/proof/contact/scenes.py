@@ -7,7 +7,7 @@ from typing import Any
 
 from flint import arb
 
-from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
 from bodycheck.reference.proof.balls import UNIT, applied, ball, size_of, transposed
 from bodycheck.reference.proof.contact import braking, colliding, lying, resisting, rolling, standing
 from bodycheck.reference.proof.contact.start import NONE, Placed, Surroundings, placed, surroundings
@@ -42,13 +42,24 @@ def _law(scene: Mechanism, one: int, other: int) -> Any:
     return next((each for each in scene.contacts if each.bodies == pair), scene.plane)
 
 
+def _meet(scene: Mechanism) -> colliding.Meet:
+    """Whether two spheres that fly from the start on touch exactly at a time: gravity moves both alike."""
+    one, other = (body.start for body in scene.bodies)
+    assert one is not None
+    assert other is not None
+    pairs = zip((*one.position, *one.velocity), (*other.position, *other.velocity), strict=True)
+    apart = [Fraction(b) - Fraction(a) for a, b in pairs]
+    reach = sum((Fraction(rolling.radius_of(shape_of(body)) or 0) for body in scene.bodies), Fraction(0))
+    return lambda t: sum((x + v * t) ** 2 for x, v in zip(apart[:3], apart[3:], strict=True)) == reach**2
+
+
 def _two(scene: Mechanism, bodies: list[Placed], plane: Surroundings) -> Motion:
     """The motion of two spheres."""
     law = _law(scene, 0, 1)
     if law is None:
         raise NotEnclosed("bodies that pass through each other")
     laws = [None if scene.plane is None else _law(scene, WORLD, index) for index in (0, 1)]
-    motion = course(colliding.pieces(bodies, law, laws, plane))
+    motion = course(colliding.pieces(bodies, law, laws, plane, None if scene.plane else _meet(scene)))
 
     def at(t: Fraction) -> Shown:
         if not t:
