@@ -121,6 +121,8 @@ def quaternion_rows(w: Any, x: Any, y: Any, z: Any) -> list[list[Any]]:
 
 def upper(value: Ball) -> float:
     """Return an upper bound of the numbers in a ball; infinite if it is not finite."""
+    if value.is_zero():
+        return 0.0
     return _outwards(value.upper(), 1) if value.is_finite() else math.inf
 
 
