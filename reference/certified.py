@@ -146,7 +146,8 @@ def _faults_of_events(truth: Truth, enclosure: Enclosure) -> Iterator[str]:
         return
     last = truth.trajectory.t[-1] if enclosure.until is None else enclosure.until
     printed = [event for event in truth.events if event.time <= last]
-    for kind, body in sorted({(event.kind, event.body) for event in (*printed, *enclosure.events)}):
+    kinds = {(event.kind, event.body) for event in printed} | {(event.kind, event.body) for event in enclosure.events}
+    for kind, body in sorted(kinds):
         events = [event for event in printed if (event.kind, event.body) == (kind, body)]
         proofs = [event for event in enclosure.events if (event.kind, event.body) == (kind, body)]
         for event, proof in zip_longest(events, proofs):

@@ -6,7 +6,7 @@ function that has become zero determines the next mode, and the motion goes on o
 become positive.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Literal
@@ -241,9 +241,10 @@ def _pieces(plant: Plant, friction: Fraction, stops: Stops | None, controller: C
         begin = end or begin
 
 
-def _until(joint: Joint, state: Row, time: Ball, end: Ball | None) -> Iterator[Piece]:  # type: ignore[misc]
+def _until(joint: Joint, state: Row, time: Ball, end: Ball | None) -> Generator[Piece, None, Row]:
     """Yield the pieces until a break of a signal, and return the state there."""
-    mode, zeros = _first_mode(joint, state), {}
+    mode = _first_mode(joint, state)
+    zeros: dict[str, int] = {}
     first: Ball | None = None
     while True:
         system = joint.system(mode)
@@ -277,18 +278,18 @@ def _until(joint: Joint, state: Row, time: Ball, end: Ball | None) -> Iterator[P
             mode, zeros = _held(joint, mode, state, side)
         elif not speed > first * arb(2) ** -round(LAST_REBOUND * ctx.prec):
             lasting, state = _accumulated(joint, mode, state, side)
-            yield Piece(time, time + lasting, _constant((state[PLACE], state[VELOCITY])), jumps=True)
+            yield Piece(time, time + lasting, _constant(state[PLACE], state[VELOCITY]), jumps=True)
             time = time + lasting
             state = _placed(joint, state, side)
             mode, zeros = _held(joint, mode, state, side)
             first = None
 
 
-def _constant(values: tuple[Ball, Ball]):  # type: ignore[no-untyped-def]
-    return lambda _: values
+def _constant(q: Ball, v: Ball) -> Callable[[Ball], tuple[Ball, Ball]]:
+    return lambda _: (q, v)
 
 
-def _shown(system: System, state: Row):  # type: ignore[no-untyped-def]
+def _shown(system: System, state: Row) -> Callable[[Ball], tuple[Ball, Ball]]:
     def at(t: Ball) -> tuple[Ball, Ball]:
         now = system.after(state, t)
         return now[PLACE], now[VELOCITY]
@@ -309,7 +310,7 @@ def _placed(joint: Joint, state: Row, side: int) -> Row:
     return [ball(limit), arb(0), *state[INTEGRAL:]]
 
 
-def _sign(row: Row, state: Row) -> int:
+def _sign(row: Sequence[Ball], state: Row) -> int:
     """The sign of a linear function of a state, 0 if it is exactly zero."""
     value = dot(row, state)
     if value.is_zero():
@@ -402,7 +403,7 @@ def _next(joint: Joint, mode: Mode, state: Row, name: str) -> tuple[Mode, Row, d
     still = [state[PLACE], arb(0), *state[INTEGRAL:]]
     match name:
         case "above" | "below":
-            return replace(mode, cut="" if mode.cut else name), state, {name: 1}  # type: ignore[arg-type]
+            return replace(mode, cut="" if mode.cut else name), state, {name: 1}
         case "slower" | "faster":
             assert mode.band is not None
             return replace(mode, band=mode.band + (1 if name == "faster" else -1)), state, {_other(name): 1}

@@ -115,9 +115,12 @@ def accelerated(spin: Triple, rate: Triple) -> Callable[[Ball], Turn]:
         x, y, z = (part / size for part in rate)
         along = dot(spin, (x, y, z))
         return lambda t: about_axis((x, y, z), t * (along + size * t / 2))
-    parts = list(zip(spin, rate, strict=True))
-    a, b, c = ((lambda s, w=w, r=r: w + s * r) for w, r in parts)
-    return varying(lambda s: (a(s), b(s), c(s)))
+
+    def at(t: Any) -> tuple[Any, Any, Any]:
+        a, b, c = (w + t * r for w, r in zip(spin, rate, strict=True))
+        return a, b, c
+
+    return varying(at)
 
 
 def varying(spin: Spin) -> Callable[[Ball], Turn]:

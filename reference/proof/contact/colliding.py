@@ -7,7 +7,7 @@ b = 1/m + r^2/I, so that the slip keeps its direction. Friction ends it if this 
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -134,7 +134,9 @@ def _begun(sphere: Sphere, body: Placed, scale: Ball) -> Course:
     return _course(sphere, iter([Piece(arb(0), None, rolling.flying(sphere.round, start), phase="flies")]))
 
 
-def _until_hit(pair: Pair, begin: Ball, reach: Ball, meet: Meet | None, *, touch: bool) -> Iterator[Piece]:  # type: ignore[misc]
+def _until_hit(
+    pair: Pair, begin: Ball, reach: Ball, meet: Meet | None, *, touch: bool
+) -> Generator[Piece, None, tuple[Ball, Pair]]:
     """Yield the pieces until the spheres hit each other, and return the time of this with the pieces then."""
     while True:
         ends = [course.piece.end for course in pair]

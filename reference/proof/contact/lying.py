@@ -72,7 +72,8 @@ def at_height(body: Placed) -> Face | None:
     columns = transposed(body.attitude)
     match body.shape:
         case Brick(semi_axes):
-            halves, axes = tuple(map(ball, semi_axes)), (0, 1, 2)
+            halves = tuple(map(ball, semi_axes))
+            axes: tuple[int, ...] = (0, 1, 2)
         case Cylinder(radius, half_length):
             halves, axes = (ball(radius), ball(radius), ball(half_length)), (2,)
         case _:

@@ -101,7 +101,7 @@ def pieces(body: Placed, law: Plane, plane: Surroundings) -> Iterator[Piece]:
         around = _round(body, law, plane, radius, moments[0])
         return begun(around, body.position, body.velocity, body.spin)
     assert isinstance(body.shape, Cylinder)
-    column: Triple = tuple(row[2] for row in body.attitude)  # type: ignore[assignment]
+    column: Triple = tuple(row[2] for row in body.attitude)
     if not abs(column[2]) <= NONE:
         raise NotEnclosed("a cylinder that does not lie on its side")
     straight = _level(column, plane)
