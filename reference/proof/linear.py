@@ -34,8 +34,8 @@ class System:
     def norm(self) -> Ball:
         """The largest sum of the sizes of a row, in the units of the components."""
         sums = [
-            sum((abs(entry) * unit for entry, unit in zip(row, self.units, strict=True)), arb(0)) / own
-            for row, own in zip(self.rows, self.units, strict=True)
+            sum((abs(entry) * unit for entry, unit in zip(row, self.units, strict=True)), arb(0)) / unit_of_row
+            for row, unit_of_row in zip(self.rows, self.units, strict=True)
         ]
         return max((each.upper() for each in sums), key=float)
 
@@ -123,5 +123,5 @@ def _root_in_step(system: System, state: Row, guard: Guard, terms: int, *, at_st
     slope = polynomial.derivative()
     value: Function = lambda t: polynomial(t) + error  # noqa: E731
     steepness: Function = lambda t: slope(t) + slope_error  # noqa: E731
-    place = first_change(value, steepness, step)
-    return None if place is None else root_near(value, steepness, place)
+    near = first_change(value, steepness, step)
+    return None if near is None else root_near(value, steepness, near)

@@ -17,7 +17,7 @@ from flint import acb, arb, arb_mat
 
 from bodycheck.reference.mechanisms.control import Controller, Stops
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
-from bodycheck.reference.proof import driven, modes
+from bodycheck.reference.proof import driven, switching
 from bodycheck.reference.proof.balls import (
     Ball,
     Matrix,
@@ -195,7 +195,7 @@ def _driven(one: OneJoint, stops: Stops | None, controller: Controller | None) -
         raise NotEnclosed("a controller or a stop beside the torque of gravity")
     plant = driven.Plant(one.inertia, one.force, one.damping, one.stiffness, one.rest, one.start, one.velocity)
     if controller is None or controller.rate is None:
-        return modes.coordinate(plant, one.friction, stops, controller)
+        return switching.coordinate(plant, one.friction, stops, controller)
     if one.friction or stops:
         raise NotEnclosed("a sampled law beside dry friction or stops")
     return driven.sampled(plant, controller)

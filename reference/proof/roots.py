@@ -10,7 +10,7 @@ from bodycheck.reference.proof.enclosure import NotEnclosed
 #: The largest number of steps of Newton's method.
 MOST_STEPS = 200
 
-#: The place at which an interval is split, so that roots at simple fractions are not at borders, and the most splits.
+#: The point at which an interval is split, so that roots at simple fractions are not at borders, and the most splits.
 SPLIT, MOST_SPLITS = arb(0.4921875), 64
 
 #: A function of a number, in balls.
@@ -22,17 +22,17 @@ def root_near(value: Function, slope: Function, guess: Ball) -> Ball:
 
     The interval Newton method: if m - f(m) / f'(X) is inside of X, X has one root, and it is there.
     """
-    place = guess.mid()
+    point = guess.mid()
     for _ in range(MOST_STEPS):
-        step = (value(place) / slope(place)).mid()
+        step = (value(point) / slope(point)).mid()
         if not step.is_finite():
             raise NotEnclosed("a root that is not found")
-        place = (place - step).mid()
-        if abs(step) <= abs(place) * arb(2) ** (8 - ctx.prec) + arb(2) ** (-4 * ctx.prec):
+        point = (point - step).mid()
+        if abs(step) <= abs(point) * arb(2) ** (8 - ctx.prec) + arb(2) ** (-4 * ctx.prec):
             break
-    spread = (abs(step) + abs((value(place) / slope(place)).upper()) + abs(place) * arb(2) ** (8 - ctx.prec)) * 4
-    around = arb(place, spread.upper())
-    inner = place - value(place) / slope(around)
+    spread = (abs(step) + abs((value(point) / slope(point)).upper()) + abs(point) * arb(2) ** (8 - ctx.prec)) * 4
+    around = arb(point, spread.upper())
+    inner = point - value(point) / slope(around)
     if not around.contains_interior(inner):
         raise NotEnclosed("a root that is not enclosed")
     return inner

@@ -62,12 +62,12 @@ def states(mechanism: Mechanism) -> Callable[[Fraction], States]:
     (joint,), (body,) = mechanism.joints, mechanism.bodies
     _check(mechanism, joint)
     centre, mass, gravity = centre_of(body), mass_of(body), Fraction(mechanism.gravity)
-    own = inertia(body.inertia)
-    if not all(isinstance(value, Fraction) for row in own for value in row):
+    tensor = inertia(body.inertia)
+    if not all(isinstance(value, Fraction) for row in tensor for value in row):
         raise NotEnclosed("a solid that is turned by angles, on a joint")
     square = sum((part * part for part in centre), Fraction(0))
     rows: Any = tuple(
-        tuple(own[i][j] + mass * ((square if i == j else 0) - centre[i] * centre[j]) for j in range(3)) for i in range(3)
+        tuple(tensor[i][j] + mass * ((square if i == j else 0) - centre[i] * centre[j]) for j in range(3)) for i in range(3)
     )
     begin = product(attitude(joint.attitude), of_quaternion(joint.start or (1.0, 0.0, 0.0, 0.0)))
     spin: Any = tuple(map(Fraction, joint.start_velocity or (0.0, 0.0, 0.0)))
@@ -108,15 +108,15 @@ def _top(
                 raise NotEnclosed("a body on a ball joint that is not symmetric about the line to its centre of mass")
     size = ball(square).sqrt()
     x, y, z = (ball(part) / size for part in centre)
-    own: Triple = (x, y, z)
+    unit: Triple = (x, y, z)
     whole = applied(begin, _momentum(rows, spin))
-    faster = dot(own, triple(spin)) * ball(1 - along / across)
-    path = _followed(ball(across), ball(weight) * size, applied(begin, own), whole)
+    faster = dot(unit, triple(spin)) * ball(1 - along / across)
+    path = _followed(ball(across), ball(weight) * size, applied(begin, unit), whole)
 
     def at(t: Fraction) -> tuple[Matrix, Triple]:
         time = ball(t)
         turn, axis, momentum = path(time)
-        turned = product(turn.matrix, product(begin, turned_about(own, faster * time)))
+        turned = product(turn.matrix, product(begin, turned_about(unit, faster * time)))
         rates = vector_sum(scaled(1 / ball(across), momentum), scaled(faster, axis))
         return turned, applied(transposed(turned), rates)
 

@@ -88,10 +88,10 @@ class _Step:
     radius: Ball
     before: Turn
 
-    def at(self, place: Ball) -> Turn:
-        if not abs(place - self.begin) < arb(REACH) * self.size:
+    def at(self, parameter: Ball) -> Turn:
+        if not abs(parameter - self.begin) < arb(REACH) * self.size:
             raise NotEnclosed("an instant within balls that are too large")
-        parts = [polynomial(place - self.begin) for polynomial in self.polynomials]
+        parts = [polynomial(parameter - self.begin) for polynomial in self.polynomials]
         return after(turn_of(parts, self.radius), self.before)
 
 
@@ -128,17 +128,17 @@ def varying(spin: Spin) -> Callable[[Ball], Turn]:
     steps: list[_Step] = []
     edges: list[float] = []
 
-    def at(place: Ball) -> Turn:
+    def at(parameter: Ball) -> Turn:
         if not steps:
             steps.append(_begun(spin, arb(0), NO_TURN))
             edges.append(float(_length_of(spin, steps[-1].begin)))
-        while edges[-1] < place:
+        while edges[-1] < parameter:
             if len(steps) > MOST_STEPS:
                 raise NotEnclosed(f"a rotation of more than {MOST_STEPS} steps")
             begin = arb(edges[-1])
             steps.append(_begun(spin, begin, steps[-1].at(begin)))
             edges.append(float((begin + _length_of(spin, begin)).mid()))
-        return steps[min(bisect_right(edges, float(place.mid())), len(steps) - 1)].at(place)
+        return steps[min(bisect_right(edges, float(parameter.mid())), len(steps) - 1)].at(parameter)
 
     return at
 

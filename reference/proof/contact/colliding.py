@@ -29,7 +29,7 @@ from bodycheck.reference.proof.balls import (
     vector_sum,
 )
 from bodycheck.reference.proof.contact import rolling
-from bodycheck.reference.proof.contact.start import Placed, Surroundings, diagonal
+from bodycheck.reference.proof.contact.start import Placed, Surroundings, diagonal, radius_of
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.motions import Piece
 from bodycheck.reference.proof.roots import first_change, root_near
@@ -109,7 +109,7 @@ def pieces(
 
 
 def _sphere(body: Placed, law: Plane | None, around: Surroundings) -> Sphere:
-    radius, moments = rolling.radius_of(body.shape), diagonal(body.inertia)
+    radius, moments = radius_of(body.shape), diagonal(body.inertia)
     if radius is None or len(set(moments)) != 1:
         raise NotEnclosed("bodies that hit each other and are no spheres with equal moments")
     if around.incline:
@@ -207,10 +207,10 @@ def _hit(pair: Pair, begin: Ball, reach: Ball, span: Ball, *, touch: bool) -> Ba
         raise NotEnclosed("spheres of which it is not decided whether they part")
     left = arb_poly(coefficients)
     slope = left.derivative()
-    place = first_change(left, slope, span)
-    if place is None:
+    near = first_change(left, slope, span)
+    if near is None:
         return None
-    hit = root_near(left, slope, place)
+    hit = root_near(left, slope, near)
     if hit < span:
         return hit
     if hit > span:

@@ -19,8 +19,8 @@ from fractions import Fraction
 from flint import arb
 
 from bodycheck.reference.proof.balls import Ball, Triple, ball, size_of
-from bodycheck.reference.proof.contact.rolling import States, counts_as_zero, radius_of
-from bodycheck.reference.proof.contact.start import Placed, Surroundings, diagonal
+from bodycheck.reference.proof.contact.rolling import States, counts_as_zero
+from bodycheck.reference.proof.contact.start import Placed, Surroundings, diagonal, radius_of
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.motions import Piece
 from bodycheck.reference.proof.turning import NO_TURN, Turn, accelerated, after

@@ -14,11 +14,11 @@ from flint import arb
 
 from bodycheck.reference.proof.balls import Ball, Matrix, Triple, ball, dot, scaled, size_of, squared, vector_sum
 from bodycheck.reference.proof.contact.slipping import Hodograph, Pair, Slip, slipping
-from bodycheck.reference.proof.contact.start import NONE, Placed, Surroundings, diagonal
+from bodycheck.reference.proof.contact.start import NONE, Placed, Surroundings, diagonal, radius_of
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.motions import Piece
 from bodycheck.reference.proof.turning import NO_TURN, Turn, accelerated, after, constant, varying
-from bodycheck.reference.scene import Cylinder, Ellipsoid, Plane, Shape, Sphere
+from bodycheck.reference.scene import Cylinder, Plane
 
 #: The ratio of the speed after an impact to the speed of the first impact below which no further impact is an event, and the
 #: ratio below which the remaining impacts are enclosed together.
@@ -75,21 +75,6 @@ class Moving:
     spin: Triple
     slip: Pair
     turn: Turn
-
-
-def radius_of(shape: Shape | None) -> float | None:
-    """Return the radius of a sphere (m); None for another shape."""
-    match shape:
-        case Sphere(radius):
-            return radius
-        case Ellipsoid((radius, b, c)) if radius == b == c:
-            return radius
-    return None
-
-
-def is_round(shape: Shape | None) -> bool:
-    """Return whether a shape is a sphere or a cylinder."""
-    return radius_of(shape) is not None or isinstance(shape, Cylinder)
 
 
 def pieces(body: Placed, law: Plane, plane: Surroundings) -> Iterator[Piece]:
@@ -378,10 +363,10 @@ def _over_hodograph(body: Round, moving: Moving, hodograph: Hodograph) -> Callab
     arm = body.radius * (1 + body.ratio)
     p, q, r = moving.spin
 
-    def spin(place):  # type: ignore[no-untyped-def]
-        (x, y), size = hodograph.slip(place), hodograph.size(place)
+    def spin(parameter):  # type: ignore[no-untyped-def]
+        (x, y), size = hodograph.slip(parameter), hodograph.size(parameter)
         along = (y - moving.slip[1]) * (1 / arm) + p
-        across = (hodograph.time(place) * body.downhill - x + moving.slip[0]) * (1 / arm) + q
+        across = (hodograph.time(parameter) * body.downhill - x + moving.slip[0]) * (1 / arm) + q
         return along * size, across * size, size * r
 
     return varying(spin)
@@ -401,8 +386,8 @@ def _after_slip(body: Round, moving: Moving, slip: Slip) -> Moving:
 
 def _at_infinity(body: Round, moving: Moving, hodograph: Hodograph, duration: Ball) -> Turn:
     """The rotation until the end of a slip, where its parameter is infinite: the rest after a large one is small."""
-    place = arb((arb(LAST_IMPACT).log() / (hodograph.downhill - hodograph.slowing)).mid())
-    turn = _over_hodograph(body, moving, hodograph)(place)
-    left = duration - hodograph.time(place)
+    parameter = arb((arb(LAST_IMPACT).log() / (hodograph.downhill - hodograph.slowing)).mid())
+    turn = _over_hodograph(body, moving, hodograph)(parameter)
+    left = duration - hodograph.time(parameter)
     fastest = size_of(moving.spin) + (2 * size_of(moving.slip) + duration * body.downhill) / (body.radius * (1 + body.ratio))
     return _turned_at_most(turn, fastest * abs(left))

@@ -10,10 +10,10 @@ from flint import arb
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
 from bodycheck.reference.proof.balls import UNIT, applied, ball, size_of, transposed
 from bodycheck.reference.proof.contact import braking, colliding, lying, resisting, rolling, standing
-from bodycheck.reference.proof.contact.start import NONE, Placed, Surroundings, placed, surroundings
+from bodycheck.reference.proof.contact.start import NONE, Placed, Surroundings, placed, radius_of, surroundings
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Piece, Shown, course
-from bodycheck.reference.scene import Plane
+from bodycheck.reference.scene import Cylinder, Plane
 
 
 def touching(scene: AnyScene) -> Motion:
@@ -28,7 +28,7 @@ def touching(scene: AnyScene) -> Motion:
     assert isinstance(scene, Mechanism)
     if any(law.rolling_friction or law.torsional_friction for law in scene.contact_laws):
         raise NotEnclosed("rolling friction of several bodies")
-    if len(bodies) == 2 and all(rolling.radius_of(body.shape) is not None for body in bodies) and not scene.pushes:
+    if len(bodies) == 2 and all(radius_of(body.shape) is not None for body in bodies) and not scene.pushes:
         return _two(scene, bodies, plane)
     if scene.plane is None or scene.pushes:
         raise NotEnclosed("several bodies that touch")
@@ -49,7 +49,7 @@ def _meet(scene: Mechanism) -> colliding.Meet:
     assert other is not None
     pairs = zip((*one.position, *one.velocity), (*other.position, *other.velocity), strict=True)
     apart = [Fraction(b) - Fraction(a) for a, b in pairs]
-    reach = sum((Fraction(rolling.radius_of(shape_of(body)) or 0) for body in scene.bodies), Fraction(0))
+    reach = sum((Fraction(radius_of(shape_of(body)) or 0) for body in scene.bodies), Fraction(0))
     return lambda t: sum((x + v * t) ** 2 for x, v in zip(apart[:3], apart[3:], strict=True)) == reach**2
 
 
@@ -85,7 +85,7 @@ def _alone(scene: AnyScene, body: Placed, plane: Surroundings) -> Motion:
         return Motion(CLOSED_FORM, lambda t: Shown([], [states(ball(t)) if t else body.world]))
     if face is not None:
         return _lying(scene, body, face, law, plane)
-    if not rolling.is_round(body.shape):
+    if radius_of(body.shape) is None and not isinstance(body.shape, Cylinder):
         raise NotEnclosed("a body that stands on an edge, or falls on a plane")
     if scene.pushes:
         raise NotEnclosed("pushes on a round body")

@@ -8,7 +8,7 @@ from bodycheck.reference.proof.balls import Ball, Matrix, Triple, about, applied
 from bodycheck.reference.proof.bodies import Entries, Rationals, angular_velocity, attitude, inertia, rotor
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.mass import mass_of
-from bodycheck.reference.scene import Scene, Shape
+from bodycheck.reference.scene import Ellipsoid, Scene, Shape, Sphere
 
 #: The part of the size of its terms up to which a distance or a velocity at t = 0 counts as zero.
 NONE = ball(Fraction(1, 10**12))
@@ -113,3 +113,13 @@ def diagonal(rows: Entries) -> Rationals:
     if not all(isinstance(each, Fraction) for each in (*moments, *products)) or any(products):
         raise NotEnclosed("a body that touches and has no rational moments along its axes")
     return moments[0], moments[1], moments[2]
+
+
+def radius_of(shape: Shape | None) -> float | None:
+    """Return the radius of a sphere (m); None for another shape."""
+    match shape:
+        case Sphere(radius):
+            return radius
+        case Ellipsoid((radius, b, c)) if radius == b == c:
+            return radius
+    return None
