@@ -82,7 +82,7 @@ class Joint:
         return above, below
 
     def beyond(self, side: int) -> Row:
-        """How far the coordinate is beyond a stop."""
+        """The distance of the coordinate beyond a stop."""
         assert self.stops is not None
         limit = self.stops.upper if side > 0 else self.stops.lower
         assert limit is not None

@@ -228,7 +228,7 @@ def _band(joint: Joint, state: Row, direction: int) -> int | None:
 
 
 def _cut(joint: Joint, mode: Mode, state: Row) -> Literal["", "above", "below"]:
-    """Whether the effort of a law is cut at a state."""
+    """Return whether the effort of a law is cut at a state."""
     caps = joint.caps(mode)
     if caps is None:
         return ""

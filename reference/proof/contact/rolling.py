@@ -180,7 +180,7 @@ def bouncing(body: Round, moving: Moving, scale: Ball) -> Iterator[Piece]:
 
 
 def _fall(body: Round, moving: Moving) -> tuple[Ball | None, Ball]:
-    """How long a body flies (s), and its final speed towards the plane (m/s); None and 0 if it never lands."""
+    """The duration of a flight (s), and its final speed towards the plane (m/s); None and 0 if it never lands."""
     height, rise = moving.position[2] - body.radius, moving.velocity[2]
     speed = (squared(rise) + 2 * body.onto * height).sqrt() if not height.is_zero() else abs(rise)
     if rise < 0:

@@ -43,7 +43,7 @@ def _law(scene: Mechanism, one: int, other: int) -> Any:
 
 
 def _meet(scene: Mechanism) -> colliding.Meet:
-    """Whether two spheres that fly from the start on touch exactly at a time: gravity moves both alike."""
+    """Return a function that says whether two spheres in flight touch exactly at a time: gravity moves both alike."""
     one, other = (body.start for body in scene.bodies)
     assert one is not None
     assert other is not None
