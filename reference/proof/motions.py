@@ -21,15 +21,16 @@ MOST_PIECES = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """The states of a motion at an instant: coordinates of joints with their velocities, and of each body in balls."""
+    """The states of a motion at an instant in balls: the coordinates and velocities of joints, and the states of each body."""
 
-    coordinates: list[tuple[Ball, Ball]]
+    position: list[Ball]
+    velocity: list[Ball]
     bodies: list[tuple[Triple, Matrix, Triple, Triple]]
 
     @property
     def radius(self) -> float:
         """The largest radius of a ball; infinite if one has no bound."""
-        entries = [value for pair in self.coordinates for value in pair]
+        entries = [*self.position, *self.velocity]
         for position, attitude, velocity, rates in self.bodies:
             entries += [*position, *velocity, *rates, *(entry for line in attitude for entry in line)]
         return max(float(entry.rad()) for entry in entries) if all(entry.is_finite() for entry in entries) else math.inf

@@ -101,14 +101,14 @@ def _motion(scene: AnyScene, printed: Trajectory, candidate: Candidate | None, b
     if isinstance(scene, Mechanism):
         if tops.on_ball_joint(scene):
             of_top = tops.states(scene)
-            return Motion("Taylor series with Cauchy's bound", lambda t: Shown([], [of_top(t)]))
+            return Motion("Taylor series with Cauchy's bound", lambda t: Shown([], [], [of_top(t)]))
         if not one_joint.has_closed_form(scene):
             return _tree(scene, printed, candidate, bits, deadline)
         of_joint = one_joint.states(scene)
 
         def at(t: Fraction) -> Shown:
-            coordinate, *states = of_joint(t)
-            return Shown([coordinate], [tuple(states)])  # type: ignore[list-item]
+            (q, v), *states = of_joint(t)
+            return Shown([q], [v], [tuple(states)])  # type: ignore[list-item]
 
         return Motion(CLOSED_FORM, at)
     if scene.pushes:
@@ -136,7 +136,7 @@ def _tree(mechanism: Mechanism, printed: Trajectory, candidate: Candidate | None
 
     def at(t: Fraction) -> Shown:
         q, v = steps[bisect_left(ends, t)].at(t)
-        return Shown([(q[index], v[index]) for index in order], poses(tree, q, v))
+        return Shown([q[index] for index in order], [v[index] for index in order], poses(tree, q, v))
 
     way = f"validated polynomials of degree {steps[0].polynomials[0].degree()}, {len(steps)} steps"
     return Motion(way, at, None if ends[-1] == end else ends[-1])
@@ -164,7 +164,7 @@ def _flight(scene: Scene) -> States:
     def at(t: Fraction) -> Shown:
         attitude, rates = rotation(t)
         way, velocity = flying(t)
-        return Shown([], [(vector_sum(triple(begin), way), attitude, velocity, rates)])
+        return Shown([], [], [(vector_sum(triple(begin), way), attitude, velocity, rates)])
 
     return at
 
@@ -214,9 +214,9 @@ def _distances(shown: Shown, printed: Trajectory, joints: JointMotion | None, ro
         distances["velocity_error"].append(distance(velocity, _balls(body.velocity[row])))
         distances["angular_velocity_error"].append(distance(rates, _balls(body.angular_velocity[row])))
     if joints is not None:
-        for side, (name, given) in enumerate(zip(COORDINATES, (joints.position, joints.velocity), strict=True)):
-            pairs = zip(shown.coordinates, given[row].tolist(), strict=True)
-            distances[name] = [abs(pair[side] - ball(value)) for pair, value in pairs]
+        printed_states = (joints.position[row].tolist(), joints.velocity[row].tolist())
+        for name, given, values in zip(COORDINATES, printed_states, (shown.position, shown.velocity), strict=True):
+            distances[name] = [abs(one - ball(other)) for one, other in zip(values, given, strict=True)]
     return distances
 
 

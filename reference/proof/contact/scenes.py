@@ -33,7 +33,7 @@ def touching(scene: AnyScene) -> Motion:
     if scene.plane is None or scene.pushes:
         raise NotEnclosed("several bodies that touch")
     standing.check(bodies, lambda one, other: _law(scene, one, other), plane)
-    return Motion(CLOSED_FORM, lambda _: Shown([], [body.world for body in bodies]), changes=lambda _: [])
+    return Motion(CLOSED_FORM, lambda _: Shown([], [], [body.world for body in bodies]), changes=lambda _: [])
 
 
 def _law(scene: Mechanism, one: int, other: int) -> Any:
@@ -63,9 +63,9 @@ def _two(scene: Mechanism, bodies: list[Placed], plane: Surroundings) -> Motion:
 
     def at(t: Fraction) -> Shown:
         if not t:
-            return Shown([], [body.world for body in bodies])
+            return Shown([], [], [body.world for body in bodies])
         states = motion.at(t)
-        return Shown([], [(x, turn, v, applied(transposed(turn), spin)) for x, turn, v, spin in states])
+        return Shown([], [], [(x, turn, v, applied(transposed(turn), spin)) for x, turn, v, spin in states])
 
     return Motion(CLOSED_FORM, at, changes=motion.changes)
 
@@ -82,7 +82,7 @@ def _alone(scene: AnyScene, body: Placed, plane: Surroundings) -> Motion:
     face = lying.face_of(body)
     if face is not None and _slides(scene, body, plane):
         states = braking.states(body, law, plane)
-        return Motion(CLOSED_FORM, lambda t: Shown([], [states(ball(t)) if t else body.world]))
+        return Motion(CLOSED_FORM, lambda t: Shown([], [], [states(ball(t)) if t else body.world]))
     if face is not None:
         return _lying(scene, body, face, law, plane)
     if radius_of(body.shape) is None and not isinstance(body.shape, Cylinder):
@@ -106,10 +106,10 @@ def _lying(scene: AnyScene, body: Placed, face: lying.Face, law: Plane, plane: S
 
     def at(t: Fraction) -> Shown:
         if not t:
-            return Shown([], [body.world])
+            return Shown([], [], [body.world])
         (x, y), (u, v) = pieces.at(t)
         still = (arb(0), arb(0), arb(0))
-        return Shown([], [plane.shown((x, y, body.position[2]), UNIT, body.attitude, (u, v, arb(0)), still)])
+        return Shown([], [], [plane.shown((x, y, body.position[2]), UNIT, body.attitude, (u, v, arb(0)), still)])
 
     return Motion(CLOSED_FORM, at, changes=pieces.changes)
 
@@ -119,8 +119,8 @@ def _round(pieces: Iterator[Piece], body: Placed, plane: Surroundings) -> Motion
 
     def at(t: Fraction) -> Shown:
         if not t:
-            return Shown([], [body.world])
+            return Shown([], [], [body.world])
         position, velocity, spin, turn = phases.at(t)
-        return Shown([], [plane.shown(position, turn, body.attitude, velocity, spin)])
+        return Shown([], [], [plane.shown(position, turn, body.attitude, velocity, spin)])
 
     return Motion(CLOSED_FORM, at, changes=phases.changes)
