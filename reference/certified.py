@@ -1,7 +1,9 @@
 """The certificate of a truth: a proof or a cross-check, and the contradictions that make it fail."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import Literal
 
 import numpy as np
@@ -135,4 +137,30 @@ def proved(certificate: Certificate, enclosure: Enclosure) -> Certificate:
                 f"the printed bound of the error{what}, {printed[worst]:.2g} {unit} at t = {truth.trajectory.t[worst]:.6g} s, "
                 f"is smaller than the proved distance, {enclosure.nearest[name][worst]:.2g} {unit}"
             )
-    return replace(certificate, enclosure=enclosure, faults=tuple(faults))
+    return replace(certificate, enclosure=enclosure, faults=(*faults, *_faults_of_events(truth, enclosure)))
+
+
+def _faults_of_events(truth: Truth, enclosure: Enclosure) -> Iterator[str]:
+    """Yield where the events of a truth are not those of a proof, or farther from them than their printed bounds allow."""
+    if enclosure.events is None:
+        return
+    last = truth.trajectory.t[-1] if enclosure.until is None else enclosure.until
+    printed = [event for event in truth.events if event.time <= last]
+    kinds = {(event.kind, event.body) for event in printed} | {(event.kind, event.body) for event in enclosure.events}
+    for kind, body in sorted(kinds):
+        events = [event for event in printed if (event.kind, event.body) == (kind, body)]
+        proofs = [event for event in enclosure.events if (event.kind, event.body) == (kind, body)]
+        for event, proof in zip_longest(events, proofs):
+            if proof is None:
+                yield f"the truth has the event {kind} at t = {event.time:.12g} s, the proof does not have it"
+            elif event is None:
+                if proof.end < last:
+                    yield f"the proof has the event {kind} at t = {proof.begin:.12g} s, the truth does not have it"
+            elif (apart := proof.distance(event.time)) > event.error:
+                yield (
+                    f"the printed bound of the instant of the event {kind} at t = {event.time:.12g} s, {event.error:.2g} s, "
+                    f"is smaller than the proved distance, {apart:.2g} s"
+                )
+            else:
+                continue
+            break

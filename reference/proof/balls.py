@@ -121,6 +121,8 @@ def quaternion_rows(w: Any, x: Any, y: Any, z: Any) -> list[list[Any]]:
 
 def upper(value: Ball) -> float:
     """Return an upper bound of the numbers in a ball; infinite if it is not finite."""
+    if value.is_zero():
+        return 0.0
     return _outwards(value.upper(), 1) if value.is_finite() else math.inf
 
 
@@ -139,9 +141,14 @@ def squared(value: Ball) -> Ball:
     return value * value
 
 
+def size_of(vector: Sequence[Ball]) -> Ball:
+    """Return the length of a vector, which may be zero."""
+    return root(sum((squared(part) for part in vector), arb(0)))
+
+
 def distance(one: Sequence[Ball], other: Sequence[Ball]) -> Ball:
     """Return the distance of two vectors."""
-    return root(sum((squared(a - b) for a, b in zip(one, other, strict=True)), arb(0)))
+    return size_of([a - b for a, b in zip(one, other, strict=True)])
 
 
 def angle_between(one: Matrix, other: Matrix) -> Ball:

@@ -82,7 +82,7 @@ def rotor(scene: Scene) -> Rotor:
     rotation = definition.rotation if definition and holds.rotation else initial.angular_velocity
     if isinstance(rotation, EulerRates):
         assert definition is not None
-        rates = _of_euler_rates(definition.attitude, rotation)
+        rates = angular_velocity(definition.attitude, rotation)
         known = [Fraction(*_dyadic(rate)) for rate in rates if rate.is_exact()]
         exact = (known[0], known[1], known[2]) if len(known) == 3 else None
         return Rotor(tensor, exact_tensor, attitude(orientation), rates, exact)
@@ -206,8 +206,10 @@ def attitude(orientation: Attitude) -> Matrix:
             return of_quaternion(orientation)
 
 
-def _of_euler_rates(orientation: Attitude, rates: EulerRates) -> Triple:
-    """The angular velocity in the frame of the body from the rates of Euler angles: those of the nodes and of the axes."""
+def angular_velocity(orientation: Attitude, rates: Sequence[float] | EulerRates) -> Triple:
+    """Return the angular velocity in the frame of a body, also from the rates of Euler angles: those of nodes and axes."""
+    if not isinstance(rates, EulerRates):
+        return triple(rates)
     s, c, sp, cp = _nodes(orientation)
     first, second, third = triple((rates.dphi, rates.dtheta, rates.dpsi))
     return first * s * sp + second * cp, first * s * cp - second * sp, first * c + third

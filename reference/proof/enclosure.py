@@ -13,6 +13,20 @@ QUANTITIES = ("error", "position_error", "velocity_error", "angular_velocity_err
 COORDINATES = ("joint_position_error", "joint_velocity_error")
 
 
+@dataclass(frozen=True)
+class Interval:
+    """The kind of an event, the index of its body, and the interval in which its instant is (s)."""
+
+    kind: str
+    body: int
+    begin: float
+    end: float
+
+    def distance(self, time: float) -> float:
+        """The smallest distance of a time from the instant (s)."""
+        return max(self.begin - time, time - self.end, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Enclosure:
     """A proof of how far the printed states of a motion are from the exact states.
@@ -31,7 +45,9 @@ class Enclosure:
     until
         The instant (s) up to which the motion is enclosed; the distances at later instants are NaN. None if all is.
     seconds
-        The time that the proof took (s).
+        The processor time of the proof (s).
+    events
+        The events until then, in ascending order of time; None if the proof has none of them.
     """
 
     way: str
@@ -41,6 +57,7 @@ class Enclosure:
     nearest: dict[str, Array]
     until: float | None
     seconds: float
+    events: tuple[Interval, ...] | None = None
 
     @property
     def distance(self) -> float:

@@ -15,9 +15,9 @@ from typing import Any
 
 from flint import acb, arb, arb_mat
 
-from bodycheck.reference.mechanisms.control import Controller
+from bodycheck.reference.mechanisms.control import Controller, Stops
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
-from bodycheck.reference.proof import driven
+from bodycheck.reference.proof import driven, switching
 from bodycheck.reference.proof.balls import (
     Ball,
     Matrix,
@@ -107,7 +107,8 @@ def states(mechanism: Mechanism) -> Callable[[Fraction], tuple[tuple[Ball, Ball]
     the body. The mechanism has one joint (`has_one_joint`). Raises `NotEnclosed` if there is no proof of its motion.
     """
     joint, centre, turn, axis, one = _read(mechanism)
-    coordinate = _driven(one, mechanism.controllers[0]) if mechanism.controllers else _coordinate(one)
+    controller = mechanism.controllers[0] if mechanism.controllers else None
+    coordinate = _driven(one, joint.stops, controller) if controller or joint.stops else _coordinate(one)
     origin, in_world = triple(joint.position), applied(turn, axis)
 
     def at(t: Fraction) -> tuple[tuple[Ball, Ball], Triple, Matrix, Triple, Triple]:
@@ -140,7 +141,7 @@ def _only(mechanism: Mechanism) -> tuple[Joint, JointedBody]:
         ("a loop", mechanism.loops),
         ("a plane", mechanism.plane is not None),
         ("pushes", mechanism.pushes),
-        ("stops", joint.stops is not None),
+        ("stops that cease to act", mechanism.stops_until is not None),
     ):
         if there:
             raise NotEnclosed(kind)
@@ -188,12 +189,16 @@ def _coordinate(one: OneJoint) -> Coordinate:
     return _pendulum(one)
 
 
-def _driven(one: OneJoint, controller: Controller) -> Coordinate:
-    """The coordinate of a joint that a controller drives."""
-    if one.friction or not (one.rise.is_zero() and one.fall.is_zero()):
-        raise NotEnclosed("a controller beside dry friction or the torque of gravity")
-    parts = (one.inertia, one.force, one.damping, one.stiffness, one.rest, one.start, one.velocity)
-    return driven.coordinate(driven.Plant(*parts), controller)
+def _driven(one: OneJoint, stops: Stops | None, controller: Controller | None) -> Coordinate:
+    """The coordinate of a joint with a controller or with stops."""
+    if not (one.rise.is_zero() and one.fall.is_zero()):
+        raise NotEnclosed("a controller or a stop beside the torque of gravity")
+    plant = driven.Plant(one.inertia, one.force, one.damping, one.stiffness, one.rest, one.start, one.velocity)
+    if controller is None or controller.rate is None:
+        return switching.coordinate(plant, one.friction, stops, controller)
+    if one.friction or stops:
+        raise NotEnclosed("a sampled law beside dry friction or stops")
+    return driven.sampled(plant, controller)
 
 
 def _linear(one: OneJoint, force: Ball) -> Coordinate:

@@ -3,8 +3,6 @@
 import math
 import time
 from bisect import bisect_left
-from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -14,10 +12,9 @@ from flint import arb
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.proof import bodies, free_body, one_joint, rest, validated
+from bodycheck.reference.proof import bodies, drag, free_body, one_joint, tops
 from bodycheck.reference.proof.balls import (
     Ball,
-    Matrix,
     Triple,
     angle_between,
     ball,
@@ -27,16 +24,17 @@ from bodycheck.reference.proof.balls import (
     precision,
     triple,
     upper,
+    vector_sum,
 )
-from bodycheck.reference.proof.dynamics import joint_states, poses
-from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
-from bodycheck.reference.proof.polynomials import Candidate
-from bodycheck.reference.proof.trees import tree_of
+from bodycheck.reference.proof.contact.scenes import touching
+from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, Interval, NotEnclosed
+from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Shown, States
+from bodycheck.reference.proof.trees import rest, validated
+from bodycheck.reference.proof.trees.dynamics import joint_states, poses
+from bodycheck.reference.proof.trees.polynomials import Candidate
+from bodycheck.reference.proof.trees.tree import tree_of
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-
-#: The method of proofs by closed forms.
-CLOSED_FORM = "closed form in ball arithmetic"
 
 #: The precisions (bits) that are tried in turn, and the radius of balls that is small enough (rad, m and the like).
 BITS, SMALL = (96, 128, 192, 256, 384, 512), 2.0**-60
@@ -75,9 +73,12 @@ def enclosed(
     NotEnclosed
         There is no proof of this motion.
     """
-    begin = time.perf_counter()
+    begin, busy = time.perf_counter(), time.process_time()
+    if isinstance(scene, Mechanism) and (not scene.joints or tops.on_ball_joint(scene)):
+        joints = None  # the attitude of a body on a ball joint is its coordinate
     reason = NotEnclosed("balls that are too large")
-    tried = BITS_OF_TREES if isinstance(scene, Mechanism) and not one_joint.has_closed_form(scene) else BITS
+    closed = not isinstance(scene, Mechanism) or not scene.joints or one_joint.has_closed_form(scene)
+    tried = BITS if closed else BITS_OF_TREES
     best: Enclosure | None = None
     for bits in tried:
         if bits > tried[0] and time.perf_counter() > begin + limit:
@@ -86,10 +87,11 @@ def enclosed(
             try:
                 motion = _motion(scene, printed, joints, candidate, bits, begin + limit)
                 compared = _compared(motion, printed, joints)
+                events = _events(motion, float(printed.t[-1]) if compared[3] is None else compared[3])
             except NotEnclosed as error:
                 reason = error
                 continue
-        enclosure = Enclosure(motion.way, bits, *compared, time.perf_counter() - begin)
+        enclosure = Enclosure(motion.way, bits, *compared, time.process_time() - busy, events)
         if enclosure.until is None:
             return enclosure
         if enclosure.until > (0.0 if best is None or best.until is None else best.until):
@@ -99,53 +101,27 @@ def enclosed(
     return best
 
 
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """The states of a motion at an instant in balls: the coordinates and velocities of joints, and the states of each body."""
-
-    position: list[Ball]
-    velocity: list[Ball]
-    bodies: list[tuple[Triple, Matrix, Triple, Triple]]
-
-    @property
-    def radius(self) -> float:
-        """The largest radius of a ball; infinite if one has no bound."""
-        entries = [*self.position, *self.velocity]
-        for position, attitude, velocity, rates in self.bodies:
-            entries += [*position, *velocity, *rates, *(entry for line in attitude for entry in line)]
-        return max(float(entry.rad()) for entry in entries) if all(entry.is_finite() for entry in entries) else math.inf
-
-
-#: A function from a time (s) to the states at it.
-States = Callable[[Fraction], Shown]
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """The method of a proof, the states as a function of time, and the time (s) until which it has them."""
-
-    way: str
-    states: States
-    until: Fraction | None = None
-
-
 def _motion(
     scene: AnyScene, printed: Trajectory, joints: JointMotion | None, candidate: Candidate | None, bits: int, deadline: float
 ) -> Motion:
     """The motion of a scene in balls."""
+    if scene.plane is not None or (isinstance(scene, Mechanism) and scene.contacts):
+        return touching(scene)
     if isinstance(scene, Mechanism):
+        if tops.on_ball_joint(scene):
+            of_top = tops.states(scene)
+            return Motion("Taylor series with Cauchy's bound", lambda t: Shown([], [], [of_top(t)]))
         if not one_joint.has_closed_form(scene):
             return _tree(scene, printed, joints, candidate, bits, deadline)
         of_joint = one_joint.states(scene)
 
         def at(t: Fraction) -> Shown:
-            (position, velocity), *states = of_joint(t)
-            return Shown([position], [velocity], [tuple(states)])  # type: ignore[list-item]
+            (q, v), *states = of_joint(t)
+            return Shown([q], [v], [tuple(states)])  # type: ignore[list-item]
 
         return Motion(CLOSED_FORM, at)
-    for kind, there in (("a plane", scene.plane is not None), ("drag", scene.drag), ("pushes", scene.pushes)):
-        if there:
-            raise NotEnclosed(kind)
+    if scene.pushes:
+        raise NotEnclosed("pushes")
     return Motion(CLOSED_FORM, _flight(scene))
 
 
@@ -202,10 +178,16 @@ def _flight(scene: Scene) -> States:
     begin, speed = ([Fraction(value) for value in values] for values in (scene.initial.position, scene.initial.velocity))
     gravity = (Fraction(0), Fraction(0), -Fraction(scene.gravity))
 
+    def falling(t: Fraction) -> tuple[Triple, Triple]:
+        way = triple([v * t + g * t * t / 2 for v, g in zip(speed, gravity, strict=True)])
+        return way, triple([v + g * t for v, g in zip(speed, gravity, strict=True)])
+
+    flying = drag.flight(tuple(speed), Fraction(scene.drag) / Fraction(scene.body.mass), -gravity[2]) if scene.drag else falling
+
     def at(t: Fraction) -> Shown:
         attitude, rates = rotation(t)
-        position = triple([x + v * t + g * t * t / 2 for x, v, g in zip(begin, speed, gravity, strict=True)])
-        return Shown([], [], [(position, attitude, triple([v + g * t for v, g in zip(speed, gravity, strict=True)]), rates)])
+        way, velocity = flying(t)
+        return Shown([], [], [(vector_sum(triple(begin), way), attitude, velocity, rates)])
 
     return at
 
@@ -221,6 +203,8 @@ def _compared(
     farthest, nearest = ({name: np.full(len(printed.t), np.nan) for name in names} for _ in range(2))
     largest, until = 0.0, None
     for row, instant in enumerate(printed.t.tolist()):
+        if np.isnan(printed.position[..., row, :]).any():  # mechanics determines no motion there
+            continue
         outside = motion.until is not None and Fraction(instant) > motion.until
         shown = None if outside else motion.states(Fraction(instant))
         radius = math.inf if shown is None else shown.radius
@@ -235,6 +219,14 @@ def _compared(
     return largest, farthest, nearest, until
 
 
+def _events(motion: Motion, until: float) -> tuple[Interval, ...] | None:
+    """The events of a motion until an instant (s); None if it has none by its kind."""
+    if motion.changes is None:
+        return None
+    changes = motion.changes(Fraction(until))
+    return tuple(Interval(change.kind, change.body, lower(change.time), upper(change.time)) for change in changes)
+
+
 def _distances(shown: Shown, printed: Trajectory, joints: JointMotion | None, row: int) -> dict[str, list[Ball]]:
     """The distances of the printed states at an instant, which is given by its row, of each body and coordinate."""
     several = [printed] if printed.position.ndim == 2 else [printed.body(index) for index in range(len(printed.position))]
@@ -245,9 +237,9 @@ def _distances(shown: Shown, printed: Trajectory, joints: JointMotion | None, ro
         distances["velocity_error"].append(distance(velocity, _balls(body.velocity[row])))
         distances["angular_velocity_error"].append(distance(rates, _balls(body.angular_velocity[row])))
     if joints is not None:
-        both = (shown.position, joints.position), (shown.velocity, joints.velocity)
-        for name, (balls, given) in zip(COORDINATES, both, strict=True):
-            distances[name] = [abs(one - ball(value)) for one, value in zip(balls, given[row].tolist(), strict=True)]
+        printed_states = (joints.position[row].tolist(), joints.velocity[row].tolist())
+        for name, given, values in zip(COORDINATES, printed_states, (shown.position, shown.velocity), strict=True):
+            distances[name] = [abs(one - ball(other)) for one, other in zip(values, given, strict=True)]
     return distances
 
 

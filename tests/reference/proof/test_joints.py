@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bodycheck.casefile.case import load
-from bodycheck.reference.mechanisms.control import Controller
+from bodycheck.reference.mechanisms.control import Controller, Sine, Stops
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
@@ -29,7 +29,14 @@ PASSIVE = (
 DRIVEN = (
     *("driven-hinge-continuous", "driven-hinge-delayed", "driven-hinge-integral", "driven-hinge-sampled"),
     *("driven-hinge-saturated-sampled", "driven-hinge-sine", "driven-slider-held-targets", "driven-slider-integral-sampled"),
-    *("driven-slider-linear-targets", "driven-wheel-effort", "driven-wheel-effort-sampled"),
+    *("driven-slider-linear-targets", "driven-wheel-effort", "driven-wheel-effort-sampled", "driven-hinge-saturated"),
+    *(
+        "driven-hinge-torque-speed",
+        "driven-slider-friction",
+        "driven-stop-elastic",
+        "driven-stop-rebounds",
+        "driven-stop-rigid",
+    ),
 )
 
 
@@ -124,10 +131,90 @@ def test_dry_friction_at_rest_is_decided_exactly(drive: float, moves: bool) -> N
     assert q.is_zero() != moves
 
 
+@pytest.mark.parametrize(
+    ("name", "of_stops", "change"),
+    [
+        ("driven-stop-rebounds", True, {"restitution": 0.5 * (1 + 1e-6)}),
+        ("driven-stop-rigid", True, {"upper": 0.3 * (1 + 1e-12)}),
+        ("driven-stop-elastic", True, {"damping": 40.0}),
+        ("driven-hinge-torque-speed", False, {"no_load_speed": 10.0 * (1 + 1e-12)}),
+        ("driven-hinge-saturated", False, {"effort_limit": 3.0 * (1 + 1e-12)}),
+    ],
+    ids=["restitution", "limit", "damping doubled", "no-load speed", "limit of the effort"],
+)
+def test_a_truth_with_other_stops_or_limits_is_contradicted(name: str, of_stops: bool, change: dict[str, Any]) -> None:
+    case = load(name)
+    scene = case.scene
+    assert isinstance(scene, Mechanism)
+    (joint,), (controller,) = scene.joints, scene.controllers
+    if of_stops:
+        assert joint.stops is not None
+        other = replace(scene, joints=(replace(joint, stops=replace(joint.stops, **change)),))
+    else:
+        other = replace(scene, controllers=(replace(controller, **change),))
+    found = mechanism_truth(other, np.linspace(0, case.duration, 21))
+    assert below(proof(scene, found), found) != []
+
+
+def driven(seed: int) -> Mechanism:
+    """A slider with stops, of all kinds, that a law with a limit of its effort drives through a spring."""
+    rng = np.random.default_rng(seed)
+    rigid, friction = Stops(-0.4, 0.3, restitution=0.3 * (seed % 2)), float(rng.uniform(0, 0.5)) * (seed % 3 == 0)
+    elastic = Stops(None, 0.3, restitution=None, stiffness=200.0, damping=float(rng.uniform(0, 5)))
+    joint = Joint(
+        *("joint", "prismatic", WORLD, 0),
+        axis=(1.0, 0.0, 0.0),
+        damping=float(rng.uniform(0, 0.5)),
+        stiffness=float(rng.uniform(0, 2)),
+        friction=friction,
+        start=(float(rng.uniform(-0.2, 0.2)),),
+        start_velocity=(float(rng.normal()),),
+        stops=rigid if seed % 4 < 2 else elastic,
+    )
+    target = Sine(float(rng.uniform(0.1, 0.5)), float(rng.uniform(2, 8)))
+    law = Controller(0, kp=float(rng.uniform(5, 40)), kd=float(rng.uniform(0, 3)), target=target, effort_limit=3.0)
+    shape = Tensor(1.0, ((0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)))
+    return Mechanism((JointedBody("body", shape),), (joint,), controllers=(law,))
+
+
+@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 80))])
+def test_limits_friction_and_stops_at_once(seed: int) -> None:
+    scene = driven(seed)
+    found = mechanism_truth(scene, np.linspace(0, 2, 9))
+    assert below(proof(scene, found), found) == []
+
+
 def test_reasons_why_there_is_no_proof() -> None:
-    for name, reason in (("driven-stop-rigid", "stops"), ("driven-hinge-saturated", "a continuous law with a limit")):
-        case = load(name)
-        assert isinstance(case.scene, Mechanism)
-        found = mechanism_truth(case.scene, np.zeros(1))
-        with pytest.raises(NotEnclosed, match=reason):
-            proof(case.scene, found)
+    scene = load("driven-hinge-sampled").scene
+    assert isinstance(scene, Mechanism)
+    scene = replace(scene, joints=(replace(scene.joints[0], friction=0.1),))
+    found = mechanism_truth(scene, np.zeros(1))
+    with pytest.raises(NotEnclosed, match="a sampled law beside dry friction"):
+        proof(scene, found)
+
+
+def top(seed: int) -> Mechanism:
+    """A body with two equal moments and its centre of mass on its axis, on a turned ball joint, with gravity in most scenes."""
+    rng = np.random.default_rng(seed)
+    length, moments = float(rng.uniform(0.1, 0.5)), (0.02, 0.02, float(rng.uniform(0.01, 0.03)))
+    rows = tuple(tuple(float(moments[i] if i == j else 0.0) for j in range(3)) for i in range(3))
+    joint = Joint(
+        *("point", "spherical", WORLD, 0, (0.1, 0.2, 0.3), tuple(rng.normal(size=4).tolist())),
+        start=tuple(rng.normal(size=4).tolist()),
+        start_velocity=tuple((3 * rng.normal(size=3)).tolist()),
+    )
+    body = JointedBody("top", Tensor(1.5, rows), (0.0, 0.0, length))  # type: ignore[arg-type]
+    return Mechanism((body,), (joint,), gravity=9.81 * (seed % 3 > 0))
+
+
+@pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=pytest.mark.slow)])
+def test_a_top_on_a_ball_joint_is_enclosed(seed: int) -> None:
+    scene = top(seed)
+    found = mechanism_truth(scene, np.linspace(0, 0.5, 5))
+    enclosure = proof(scene, found)
+    assert enclosure.radius <= 2.0**-60
+    assert below(enclosure, found) == []
+    (joint,) = scene.joints
+    faster = replace(joint, start_velocity=(joint.start_velocity[0] * (1 + 1e-9), *joint.start_velocity[1:]))
+    wrong = mechanism_truth(replace(scene, joints=(faster,)), np.linspace(0, 0.5, 5))
+    assert "error" in below(proof(scene, wrong), wrong)

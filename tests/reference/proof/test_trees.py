@@ -21,9 +21,11 @@ pytest.importorskip("heyoka")
 
 from flint import arb
 
-from bodycheck.reference.proof import dynamics, one_joint, polynomials, proving, trees, validated
+from bodycheck.reference.proof import one_joint, proving
 from bodycheck.reference.proof.balls import precision
-from bodycheck.reference.proof.derivatives import along, each_alone
+from bodycheck.reference.proof.trees import dynamics, polynomials, validated
+from bodycheck.reference.proof.trees import tree as trees
+from bodycheck.reference.proof.trees.derivatives import along, each_alone
 
 
 def two_links(seed: int) -> Mechanism:

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.proof.derivatives import along, each_alone
 from bodycheck.reference.proof.enclosure import NotEnclosed
-from bodycheck.reference.proof.trees import Number, Tree
+from bodycheck.reference.proof.trees.derivatives import along, each_alone
+from bodycheck.reference.proof.trees.tree import Number, Tree
 from bodycheck.reference.trajectory import Array
 
 #: The number of nodes in a step, which is odd, so that its centre is one of them, and the nodes in units of half a step.

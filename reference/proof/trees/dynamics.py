@@ -23,7 +23,7 @@ from bodycheck.reference.proof.balls import (
     transposed,
     vector_sum,
 )
-from bodycheck.reference.proof.trees import Link, Number, Rows, Tree, Vector, as_number
+from bodycheck.reference.proof.trees.tree import Link, Number, Rows, Tree, Vector, as_number
 
 
 def times(a: Number, b: Number) -> Number:

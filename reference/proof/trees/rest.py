@@ -9,9 +9,9 @@ from dataclasses import replace
 from bodycheck.reference.mechanisms.coordinates import places as layout
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.proof.balls import Ball, ball
-from bodycheck.reference.proof.dynamics import efforts
 from bodycheck.reference.proof.enclosure import NotEnclosed
-from bodycheck.reference.proof.trees import Tree, as_number, tree_of
+from bodycheck.reference.proof.trees.dynamics import efforts
+from bodycheck.reference.proof.trees.tree import Tree, as_number, tree_of
 
 
 def held(mechanism: Mechanism) -> tuple[Tree, list[Ball], list[str]]:

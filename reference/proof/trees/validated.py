@@ -23,10 +23,10 @@ import numpy as np
 from flint import arb, arb_mat
 
 from bodycheck.reference.proof.balls import Ball, ball, precision
-from bodycheck.reference.proof.defects import TooFar, TooLong, slack
 from bodycheck.reference.proof.enclosure import NotEnclosed
-from bodycheck.reference.proof.polynomials import COARSE_BITS, Candidate, Part, doubles_of, identity, mesh, parts
-from bodycheck.reference.proof.trees import Tree
+from bodycheck.reference.proof.trees.defects import TooFar, TooLong, slack
+from bodycheck.reference.proof.trees.polynomials import COARSE_BITS, Candidate, Part, doubles_of, identity, mesh, parts
+from bodycheck.reference.proof.trees.tree import Tree
 from bodycheck.reference.trajectory import Array
 
 #: Rounds in which all steps are halved.

@@ -14,8 +14,8 @@ from flint import arb_mat, arb_poly
 
 from bodycheck.reference.proof.balls import Ball, ball, precision
 from bodycheck.reference.proof.enclosure import NotEnclosed
-from bodycheck.reference.proof.flow import COUNT, flows
-from bodycheck.reference.proof.trees import Tree
+from bodycheck.reference.proof.trees.flow import COUNT, flows
+from bodycheck.reference.proof.trees.tree import Tree
 from bodycheck.reference.trajectory import Array
 
 #: The number of nodes of the polynomial in a step, for each bit of the precision.

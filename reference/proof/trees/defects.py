@@ -12,10 +12,10 @@ import numpy as np
 from flint import acb, arb, arb_mat, arb_poly, arb_series, ctx
 
 from bodycheck.reference.proof.balls import Ball, ball, precision
-from bodycheck.reference.proof.derivatives import along
-from bodycheck.reference.proof.dynamics import efforts
-from bodycheck.reference.proof.polynomials import COARSE_BITS, Part, doubles_of, identity
-from bodycheck.reference.proof.trees import Tree
+from bodycheck.reference.proof.trees.derivatives import along
+from bodycheck.reference.proof.trees.dynamics import efforts
+from bodycheck.reference.proof.trees.polynomials import COARSE_BITS, Part, doubles_of, identity
+from bodycheck.reference.proof.trees.tree import Tree
 
 #: The radius of the disc of Cauchy's estimate, in units of half a step.
 DISC = 2.5

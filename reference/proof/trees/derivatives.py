@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from bodycheck.reference.proof.dynamics import efforts, negative, plus, times
-from bodycheck.reference.proof.trees import Number, Tree
+from bodycheck.reference.proof.trees.dynamics import efforts, negative, plus, times
+from bodycheck.reference.proof.trees.tree import Number, Tree
 
 #: The derivatives of a number along directions, by their indices; those that are missing are zero.
 Slopes = dict[int, Number]

@@ -1,0 +1,112 @@
+"""Enclosures of spheres that hit each other, and of towers: no printed bound is below them, and faults are contradicted."""
+
+import contextlib
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bodycheck.casefile.case import load
+from bodycheck.reference.mechanisms.mechanism import BodyStart, JointedBody, Mechanism, PairContact
+from bodycheck.reference.scene import Brick, Plane, Solid, Sphere, Vector
+from bodycheck.reference.truth import truth
+from tests.support.proofs import certificate_of
+
+pytest.importorskip("flint")
+
+from bodycheck.reference.proof import proving
+from bodycheck.reference.proof.enclosure import NotEnclosed
+
+#: The shipped cases of several bodies that are enclosed.
+SHIPPED = (
+    *("spheres-head-on", "spheres-oblique-sliding", "spheres-oblique-sticking", "spheres-spinning", "ball-hits-ball-on-plane"),
+    *("stack-of-ten", "stack-mass-ratio"),
+)
+
+
+def faults_of(right: Mechanism, wrong: Mechanism, end: float) -> tuple[str, ...]:
+    """The faults of the truth of a scene beside the proof of another one."""
+    found = truth(wrong, np.linspace(0, end, 9))
+    enclosure = proving.enclosed(right, found.trajectory, found.joints)
+    assert enclosure.radius <= 2.0**-60
+    assert enclosure.until is None
+    return certificate_of(found, enclosure).faults
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_shipped_scene_that_has_a_closed_form_is_enclosed(name: str) -> None:
+    case = load(name)
+    assert isinstance(case.scene, Mechanism)
+    assert faults_of(case.scene, case.scene, case.duration) == ()
+
+
+def drawn(seed: int) -> Mechanism:
+    """Two spheres that fly or roll towards each other."""
+    rng = np.random.default_rng(seed)
+    plane = Plane(0.3, restitution=0.4) if seed % 2 else None
+    radius, bodies = 0.1, []
+    for side in (-1, 1):
+        size = radius if plane else float(rng.uniform(0.05, 0.15))
+        position = (0.5 * side, float(rng.uniform(-0.05, 0.05)), size if plane else 1.0)
+        velocity = (-float(rng.uniform(0.5, 1.5)) * side, float(rng.uniform(-0.05, 0.05)), 0.0 if plane else 1.0)
+        spin: Vector = tuple((5 * rng.normal(size=3)).tolist())  # type: ignore[assignment]
+        start = BodyStart(position, velocity=velocity, rotation=spin)
+        bodies.append(JointedBody(f"ball{side}", Solid(Sphere(size), float(rng.uniform(0.5, 2))), start=start))
+    law = PairContact((0, 1), 0.0 if plane else float(rng.uniform(0, 0.5)), float(rng.uniform(0.2, 0.9)))
+    return Mechanism(tuple(bodies), gravity=9.81, plane=plane, contacts=(law,))
+
+
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 60))])
+def test_no_printed_bound_is_below_its_proof(seed: int) -> None:
+    scene = drawn(seed)
+    with contextlib.suppress(*([NotEnclosed] if seed > 5 else [])):  # some spheres on a plane hit each other without end
+        assert faults_of(scene, scene, 1.0) == ()
+
+
+CHANGES: dict[str, dict[str, Any]] = {
+    "restitution times 1 + 1e-6": {"restitution": 0.8 * (1 + 1e-6)},
+    "friction times 1 + 1e-12": {"friction": 0.1 * (1 + 1e-12)},
+}
+
+
+@pytest.mark.parametrize("fault", CHANGES)
+def test_a_truth_of_another_impact_is_contradicted(fault: str) -> None:
+    case = load("spheres-oblique-sliding")
+    assert isinstance(case.scene, Mechanism)
+    wrong = replace(case.scene, contacts=(replace(case.scene.contacts[0], **CHANGES[fault]),))
+    assert any("is smaller than the proved distance" in each for each in faults_of(case.scene, wrong, case.duration))
+
+
+def tower(shift: float, incline: float = 0.0, friction: float = 0.5) -> Mechanism:
+    """A brick on a brick, shifted along x, on a plane."""
+    shape, heights = Brick((0.1, 0.1, 0.05)), (0.05, 0.15)
+    half = math.sin(incline / 2)
+    bodies = []
+    for number, height in enumerate(heights):
+        x, z = shift * number, height
+        place = (x * math.cos(incline) + z * math.sin(incline), 0.0, z * math.cos(incline) - x * math.sin(incline))
+        start = BodyStart(place, (math.cos(incline / 2), 0.0, half, 0.0))
+        bodies.append(JointedBody(f"brick{number}", Solid(shape, 1.0), start=start))
+    return Mechanism(tuple(bodies), gravity=9.81, plane=Plane(friction, incline=incline))
+
+
+@pytest.mark.parametrize(
+    ("scene", "reason"),
+    [
+        (lambda: tower(0.0999), ""),
+        (lambda: tower(0.1), "may tip over"),
+        (lambda: tower(0.0, incline=0.2), ""),
+        (lambda: tower(0.0, incline=0.2, friction=0.2), "whether friction holds"),
+    ],
+    ids=["stands", "at the rim", "on an incline", "slides"],
+)
+def test_a_tower_rests_only_if_every_face_bears_what_is_above_it(scene: Callable[[], Mechanism], reason: str) -> None:
+    with proving.precision(128):
+        if not reason:
+            assert proving.touching(scene()).changes is not None
+            return
+        with pytest.raises(NotEnclosed, match=reason):
+            proving.touching(scene())
