@@ -23,8 +23,10 @@ from exudyn import itemInterface
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.exudyn import kinematic_trees
 from bodycheck.adapters.exudyn.jointed_bodies import Assembly, turn_of
+from bodycheck.adapters.exudyn.touching import Touching
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.sensors.sensor import Sensor, SensorType
 from bodycheck.reference.trajectory import Array
 
@@ -40,7 +42,7 @@ def lacking(scene: AnyScene, sensor: Sensor, _method: Method) -> str | None:
     """Return why Exudyn does not read a sensor, as `Sensing.lacking` does."""
     if sensor.type == "joint_effort":
         return "has no sensor of the efforts of joints"
-    if not isinstance(scene, Mechanism):
+    if not isinstance(scene, Mechanism) or touches(scene):
         return None
     if sensor.type == "contact_force":
         return "has no shapes of the bodies of mechanisms here"
@@ -71,6 +73,23 @@ def of_single_body(
         return tuple(contact_force() if number is None else values(system, number) for number in numbers)
 
     return read
+
+
+def of_touching(together: Touching, sensors: Sequence[Sensor]) -> Callable[[], tuple[Array, ...]]:
+    """Add sensors of bodies that touch to their system, and return the function that reads them."""
+    system = together.stepper.system
+
+    def contact_force(body: int) -> Callable[[], Array]:
+        touched = [(1 if pair[1] == body else -1, contact) for pair, contact in together.contacts if body in pair]
+        return lambda: sum((sign * together.force(contact) for sign, contact in touched), start=np.zeros(3))
+
+    readers = [
+        contact_force(sensor.body)
+        if sensor.type == "contact_force"
+        else reading(system, on_body(system, together.bodies[sensor.body], sensor))
+        for sensor in sensors
+    ]
+    return lambda: tuple(each() for each in readers)
 
 
 def of_bodies(

@@ -9,7 +9,8 @@ import pytest
 from bodycheck import load
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.drake import engine as drake
-from bodycheck.adapters.drake.touching import dissipation, of_bodies
+from bodycheck.adapters.drake.touching import of_bodies
+from bodycheck.adapters.hunt_crossley import dissipation
 from bodycheck.adapters.stepping import Controlled
 from bodycheck.adapters.touching import plane_of, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact
