@@ -195,8 +195,8 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
     if touches(scene):
-        together = touching.built(scene, method)
-        return SensingSimulation(touching.simulated(scene, together, method), sensing.of_touching(together, sensors))
+        together = touching.built(scene, method, sensors)
+        return SensingSimulation(touching.simulated(scene, together, method), together.read)
     if isinstance(scene, Mechanism):
         return jointed(scene, method, sensors)
     built = model(scene, method, sensors=sensors)

@@ -23,9 +23,8 @@ from exudyn import itemInterface
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.exudyn import kinematic_trees
 from bodycheck.adapters.exudyn.jointed_bodies import Assembly, turn_of
-from bodycheck.adapters.exudyn.touching import Touching
 from bodycheck.reference.kinematics import conjugate, rotate
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.sensors.sensor import Sensor, SensorType
 from bodycheck.reference.trajectory import Array
@@ -75,21 +74,34 @@ def of_single_body(
     return read
 
 
-def of_touching(together: Touching, sensors: Sequence[Sensor]) -> Callable[[], tuple[Array, ...]]:
-    """Add sensors of bodies that touch to their system, and return the function that reads them."""
-    system = together.stepper.system
+def of_touching(
+    system: "exudyn.MainSystem",
+    bodies: Sequence[Any],
+    contacts: Sequence[tuple[tuple[int, int], Any]],
+    sensors: Sequence[Sensor],
+) -> Callable[[], tuple[Array, ...]]:
+    """Add sensors of bodies that touch to a system, and return the function that reads them.
+
+    contacts: their numbers, each with the indices of its two bodies.
+    """
 
     def contact_force(body: int) -> Callable[[], Array]:
-        touched = [(1 if pair[1] == body else -1, contact) for pair, contact in together.contacts if body in pair]
-        return lambda: sum((sign * together.force(contact) for sign, contact in touched), start=np.zeros(3))
+        # The force of a contact is that on the first of its markers, and the plane has the second.
+        signs = [(-1 if pair[1] == body and pair[0] != WORLD else 1, number) for pair, number in contacts if body in pair]
+        return lambda: sum((sign * force_of(system, number) for sign, number in signs), start=np.zeros(3))
 
     readers = [
         contact_force(sensor.body)
         if sensor.type == "contact_force"
-        else reading(system, on_body(system, together.bodies[sensor.body], sensor))
+        else reading(system, on_body(system, bodies[sensor.body], sensor))
         for sensor in sensors
     ]
     return lambda: tuple(each() for each in readers)
+
+
+def force_of(system: "exudyn.MainSystem", contact: Any) -> Array:
+    """Return the present force (3,), in N and in the world, of a contact on the first of its markers."""
+    return np.array(system.GetObjectOutput(contact, exudyn.OutputVariableType.Force))
 
 
 def of_bodies(

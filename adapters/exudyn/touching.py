@@ -15,7 +15,7 @@ in which it does not converge. A push is a load that is set at the start of a st
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import combinations, product
@@ -26,7 +26,7 @@ import numpy as np
 from exudyn import itemInterface
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
-from bodycheck.adapters.exudyn import formulations, stepping
+from bodycheck.adapters.exudyn import formulations, sensing, stepping
 from bodycheck.adapters.exudyn.contact import GROUND_SIZE_M, TIME_CONSTANT_S
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
 from bodycheck.adapters.exudyn.stepping import Stepper
@@ -38,6 +38,7 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Brick, Push, Sphere
+from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that Exudyn models, of which restitution is an approximation.
@@ -63,23 +64,19 @@ class Touching:
         The simulation without changes of the pushes.
     formulation
         The formulation of the rotations.
-    bodies
-        The numbers of the bodies, in their order.
     contacts
         The numbers of the contacts, each with the indices of its two bodies, of which the first may be `WORLD`.
     loads
         The pushes with the numbers of their loads.
+    read
+        Returns the readings of the sensors.
     """
 
     stepper: Stepper
     formulation: Formulation
-    bodies: Sequence[Any]
     contacts: Sequence[tuple[tuple[int, int], Any]]
     loads: Sequence[tuple[Push, Any]]
-
-    def force(self, contact: Any) -> Array:
-        """Return the present force (3,), in N and in the world, of a contact on the first of its bodies."""
-        return np.array(self.stepper.system.GetObjectOutput(contact, exudyn.OutputVariableType.Force))
+    read: Callable[[], tuple[Array, ...]]
 
     def exert(self, pushes: Sequence[Push]) -> None:
         """Make pushes act from now on, in the place of those before."""
@@ -99,8 +96,8 @@ def simulated(scene: AnyScene, touching: Touching, method: Method) -> Simulation
     return Normalised(pushed) if touching.formulation is FORMULATIONS["EP"] else pushed
 
 
-def built(scene: AnyScene, method: Method) -> Touching:
-    """Return a system with the bodies of a scene in their initial states. Raises `SceneUnsupported`."""
+def built(scene: AnyScene, method: Method, sensors: Sequence[Sensor] = ()) -> Touching:
+    """Return a system with the bodies of a scene in their initial states, and with sensors. Raises `SceneUnsupported`."""
     parts, formulation = touching_bodies(scene), formulations.of_method(method)
     usual, *others = laws(scene)
     own = {law.bodies: law for law in others}
@@ -123,6 +120,7 @@ def built(scene: AnyScene, method: Method) -> Touching:
             options = law_of(law, pair, parts, scene)
             contacts.append((pair, on_each_other(system, [(bodies[index], parts[index]) for index in pair], options)))
     loads = [(push, add_load(system, bodies[push.body], push)) for push in scene.pushes]
+    read = sensing.of_touching(system, bodies, contacts, sensors)
     count = formulations.coordinates(formulation)
 
     def seen() -> Array:
@@ -135,7 +133,7 @@ def built(scene: AnyScene, method: Method) -> Touching:
 
     stepper = stepping.initialised(container, system, method, seen, rows, impacts=True)
     assert isinstance(stepper, Stepper)  # no implicit solver has error control
-    return Touching(stepper, formulation, bodies, contacts, loads)
+    return Touching(stepper, formulation, contacts, loads, read)
 
 
 def check_shape(part: TouchingBody, *, alone: bool) -> None:
@@ -244,11 +242,12 @@ def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[i
 
 def step_with_loads(touching: Touching) -> Mapping[tuple[int, int], float]:
     """Take one step, and return the normal forces (N) of the pairs that touch at its end."""
+    system = touching.stepper.system
     touching.stepper.advance(np.ones(1, dtype=np.int64))
     by_pair: dict[tuple[int, int], float] = {}
     for pair, contact in touching.contacts:
-        normal = np.array(touching.stepper.system.GetObjectOutput(contact, exudyn.OutputVariableType.Director1))
-        if pressed := abs(float(touching.force(contact) @ normal)):
+        normal = np.array(system.GetObjectOutput(contact, exudyn.OutputVariableType.Director1))
+        if pressed := abs(float(sensing.force_of(system, contact) @ normal)):
             by_pair[pair] = by_pair.get(pair, 0.0) + pressed
     return by_pair
 
