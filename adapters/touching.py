@@ -112,6 +112,19 @@ def laws(scene: AnyScene) -> tuple[Law, ...]:
     return _law((WORLD, WORLD), usual), *(_law(pair.bodies, pair) for pair in pairs)
 
 
+def laws_of_pairs(scene: AnyScene, count: int) -> dict[tuple[int, int], Law]:
+    """Return the law of each pair that may touch, of the plane with each of `count` bodies, and then of two bodies.
+
+    The keys are as `Law.bodies`.
+    """
+    usual, *others = laws(scene)
+    own = {law.bodies: law for law in others}
+    pairs = [*((WORLD, index) for index in range(count)), *itertools.combinations(range(count), 2)]
+    if scene.plane is None:
+        return {pair: own[pair] for pair in pairs if pair in own}
+    return {pair: own.get(pair, usual) for pair in pairs}
+
+
 def _law(bodies: tuple[int, int], given: Plane | PairContact) -> Law:
     coefficients = given.friction, given.restitution, given.rolling_friction, given.torsional_friction
     return Law(bodies, *coefficients, given.cone)

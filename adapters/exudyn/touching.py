@@ -18,7 +18,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import combinations, product
+from itertools import product
 from typing import Any
 
 import exudyn
@@ -33,7 +33,7 @@ from bodycheck.adapters.exudyn.stepping import Stepper
 from bodycheck.adapters.hunt_crossley import impact_speed
 from bodycheck.adapters.links import link_of
 from bodycheck.adapters.stepping import Normalised
-from bodycheck.adapters.touching import Law, Pushed, TouchingBody, laws, switches, touching_bodies
+from bodycheck.adapters.touching import Law, Pushed, TouchingBody, laws, laws_of_pairs, plane_of, switches, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.requirements import touches
@@ -99,26 +99,21 @@ def simulated(scene: AnyScene, touching: Touching, method: Method) -> Simulation
 def built(scene: AnyScene, method: Method, sensors: Sequence[Sensor] = ()) -> Touching:
     """Return a system with the bodies of a scene in their initial states, and with sensors. Raises `SceneUnsupported`."""
     parts, formulation = touching_bodies(scene), formulations.of_method(method)
-    usual, *others = laws(scene)
-    own = {law.bodies: law for law in others}
     for part in parts:
         check_shape(part, alone=len(parts) == 1)
     container = exudyn.SystemContainer()
     system = container.AddSystem()
     bodies = [formulations.add_body(system, formulation, link_of(part.body), part.start, scene.gravity) for part in parts]
+    ground = system.AddMarker(itemInterface.MarkerNodeRigid(nodeNumber=system.AddNode(itemInterface.NodePointGround())))
     contacts: list[tuple[tuple[int, int], Any]] = []
-    if scene.plane is not None:
-        ground = system.AddMarker(itemInterface.MarkerNodeRigid(nodeNumber=system.AddNode(itemInterface.NodePointGround())))
-        for index, part in enumerate(parts):
-            pair = WORLD, index
-            options = law_of(own.get(pair, usual), pair, parts, scene)
-            for centre, radius in spheres(part):
-                contacts.append((pair, on_plane(system, ground, bodies[index], centre, radius, scene.plane.incline, options)))
-    for pair in combinations(range(len(parts)), 2):
-        law = own.get(pair, usual if scene.plane is not None else None)
-        if law is not None:
-            options = law_of(law, pair, parts, scene)
+    for pair, law in laws_of_pairs(scene, len(parts)).items():
+        one, other = pair
+        options = parameters(law, pair, parts, scene)
+        if one != WORLD:
             contacts.append((pair, on_each_other(system, [(bodies[index], parts[index]) for index in pair], options)))
+            continue
+        for sphere in spheres(parts[other]):
+            contacts.append((pair, on_plane(system, ground, bodies[other], sphere, plane_of(scene).incline, options)))
     loads = [(push, add_load(system, bodies[push.body], push)) for push in scene.pushes]
     read = sensing.of_touching(system, bodies, contacts, sensors)
     count = formulations.coordinates(formulation)
@@ -155,7 +150,7 @@ def spheres(part: TouchingBody) -> list[tuple[list[float], float]]:
     return [([*corner], radius) for corner in product(*sides)]
 
 
-def law_of(law: Law, pair: tuple[int, int], parts: Sequence[TouchingBody], scene: AnyScene) -> dict[str, Any]:
+def parameters(law: Law, pair: tuple[int, int], parts: Sequence[TouchingBody], scene: AnyScene) -> dict[str, Any]:
     """Return the parameters of each contact of a pair with a law."""
     masses = [parts[index].body.mass for index in pair if index != WORLD]
     shared = BEARING if any(isinstance(parts[index].shape, Brick) for index in pair if index != WORLD) else 1
@@ -191,18 +186,18 @@ def on_plane(
     system: "exudyn.MainSystem",
     ground: Any,
     body: Any,
-    centre: list[float],
-    radius: float,
+    sphere: tuple[list[float], float],
     incline: float,
     options: Mapping[str, Any],
 ) -> Any:
-    """Add the contact of a sphere on a body with the plane, and return its number."""
+    """Add the contact of a sphere on a body, with a centre and a radius, with the plane, and return its number."""
+    centre, radius = sphere
     cosine, sine = math.cos(incline), math.sin(incline)
     corners = [(-GROUND_SIZE_M, -GROUND_SIZE_M), (3 * GROUND_SIZE_M, -GROUND_SIZE_M), (-GROUND_SIZE_M, 3 * GROUND_SIZE_M)]
-    sphere = system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=body, localPosition=centre))
+    marker = system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=body, localPosition=centre))
     return system.AddObject(
         itemInterface.ObjectContactSphereTriangle(
-            markerNumbers=[sphere, ground],
+            markerNumbers=[marker, ground],
             nodeNumber=data_node(system),
             sphereRadius=radius,
             trianglePoints=exudyn.Vector3DList([[x * cosine, y, -x * sine] for x, y in corners]),

@@ -15,7 +15,6 @@ A push is a `PrescribedForce`, which is a function of the time.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,7 @@ from bodycheck.adapters.links import link_of
 from bodycheck.adapters.simbody.contact import RADIUS, SINKING, hardness
 from bodycheck.adapters.simbody.mechanisms import in_simbody, placed
 from bodycheck.adapters.simbody.models import added
-from bodycheck.adapters.touching import Law, TouchingBody, laws, touching_bodies
+from bodycheck.adapters.touching import Law, TouchingBody, laws, laws_of_pairs, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.requirements import touches
@@ -106,17 +105,13 @@ def built(scene: AnyScene, method: Method) -> Touching:
     for joint in joints:
         model.addJoint(joint)
     geometries = {index: add_spheres(model, body, index, parts[index]) for index, body in enumerate(bodies)}
-    pairs = list(combinations(range(len(parts)), 2))
-    usual, *others = laws(scene)
-    given = {law.bodies: law for law in others}
     if scene.plane is not None:
         # The half-space is on the side to which the x axis of its frame points.
         downwards = opensim.Vec3(0.0, math.pi / 2 + scene.plane.incline, 0.0)
         model.addContactGeometry(opensim.ContactHalfSpace(opensim.Vec3(0.0), downwards, model.getGround(), PLANE))
         geometries[WORLD] = [PLANE]
-        pairs = [(WORLD, index) for index in range(len(parts))] + pairs
-        given = dict.fromkeys(pairs, usual) | given
-    forces = {pair: add_force(model, pair, given[pair], geometries, parts, scene) for pair in pairs if pair in given}
+    between = laws_of_pairs(scene, len(parts))
+    forces = {pair: add_force(model, pair, law, geometries, parts, scene) for pair, law in between.items()}
     for number, push in enumerate(scene.pushes):
         add_push(model, bodies[push.body], number, push, method)
     incline = 0.0 if scene.plane is None else scene.plane.incline
