@@ -4,7 +4,7 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Generic, Protocol, TypeVar, runtime_checkable
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -29,23 +29,6 @@ class TouchingBody:
     body: Body
     shape: Shape
     start: State
-
-
-@runtime_checkable
-class Boxes(Protocol):
-    """An adapter that can give its engine free boxes that touch, though its record offers no bodies that touch.
-
-    It is for `bodycheck audit`, which needs no truth of these scenes. An adapter whose record models contacts prepares them by
-    `Adapter.prepare` instead.
-    """
-
-    def prepare_boxes(self, scene: Mechanism, method: Method) -> Simulation:
-        """Return a simulation of free bricks that touch the level plane of the scene and each other, at t = 0.
-
-        The friction and the restitution of the plane are the coefficients of all pairs. There are no joints, pushes or other
-        pairs. Raises `SceneUnsupported`.
-        """
-        ...
 
 
 @dataclass(frozen=True)

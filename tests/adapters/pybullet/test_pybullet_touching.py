@@ -88,8 +88,8 @@ def test_a_sensor_reads_the_forces_of_contacts_on_a_ramp() -> None:
 @pytest.mark.parametrize("method", SOLVERS)
 @pytest.mark.parametrize("coefficient", [2e-3, 1e-4])
 def test_rolling_friction_decelerates_a_ball_by_its_coefficient(method: str, coefficient: float) -> None:
-    # An impulse that is at its bound in each step leaves nothing to the iterations but rounding.
-    assert measured.rolling_deceleration(PYBULLET, method, 2e-3, coefficient) == pytest.approx(1, abs=1e-9)
+    # The iterations end at a residual, which is the larger part of a smaller friction.
+    assert measured.rolling_deceleration(PYBULLET, method, 2e-3, coefficient) == pytest.approx(1, abs=1e-8)
 
 
 def test_torsional_friction_brakes_a_spin_by_its_coefficient() -> None:
