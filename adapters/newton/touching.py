@@ -25,6 +25,7 @@ from newton.solvers import mujoco
 from bodycheck.adapters.contract import Method, SensingSimulation
 from bodycheck.adapters.links import link_of, tensor
 from bodycheck.adapters.mujoco import touching as of_mujoco
+from bodycheck.adapters.mujoco.contact import MUJOCO_MIN_FRICTION
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton.mechanisms import by_mujoco, twist
 from bodycheck.adapters.newton.sensing import Instruments, add_sites, transform
@@ -45,6 +46,9 @@ MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts", "
 
 #: The largest coefficient below zero that is a rounding error of zero.
 ROUNDING = 1e-9
+
+#: The least number of single precision that is not below MuJoCo's least coefficient of torsional friction (m).
+LEAST_IN_SINGLE_PRECISION = float(np.nextafter(np.float32(MUJOCO_MIN_FRICTION), np.float32(1.0)))
 
 #: The dimensions of a contact with friction alone.
 USUAL_DIMENSIONS = 3
@@ -205,13 +209,24 @@ def shape_of_material(law: Law, method: Method) -> dict[str, Any]:
     torsional, rolling = law.torsional_friction, law.rolling_friction
     attributes: dict[str, Any] = {}
     if by_mujoco(method):
-        torsional, rolling = of_mujoco.moments(law) if law.resists else (0.0, 0.0)
+        torsional, rolling = moments_of_mujoco(law)
         if (dimensions := dimensions_of(law)) != USUAL_DIMENSIONS:
             attributes["mujoco:condim"] = dimensions
     config = newton.ModelBuilder.ShapeConfig(
         mu=law.friction, mu_torsional=torsional, mu_rolling=rolling, restitution=law.restitution
     )
     return {"cfg": config, "custom_attributes": attributes}
+
+
+def moments_of_mujoco(law: Law) -> tuple[float, float]:
+    """Return the torsional and the rolling friction (m) of MuJoCo's contacts of a pair with a law.
+
+    In the single precision of Newton's model, MuJoCo's least coefficient would be less than itself.
+    """
+    if not law.resists:
+        return 0.0, 0.0
+    torsional, rolling = of_mujoco.moments(law)
+    return max(torsional, LEAST_IN_SINGLE_PRECISION) if law.rolling_friction else torsional, rolling
 
 
 def dimensions_of(law: Law) -> int:
@@ -247,7 +262,7 @@ def add_body(builder: Any, body: TouchingBody, shape: Mapping[str, Any]) -> None
 def add_pair(builder: Any, law: Law) -> None:
     """Add a pair with its own friction to a builder of a model for MuJoCo. The shapes follow the plane in their order."""
     first, second = (body - WORLD for body in law.bodies)
-    torsional, rolling = of_mujoco.moments(law) if law.resists else (0.0, 0.0)
+    torsional, rolling = moments_of_mujoco(law)
     friction = (law.friction, law.friction, torsional, rolling, rolling)
     mujoco.add_contact_pair(builder, first, second, condim=dimensions_of(law), friction=friction)
 
