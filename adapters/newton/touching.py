@@ -288,6 +288,8 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     for what, pairs in moments_wanted(scene, len(bodies)).items():
         coefficient = given[what]
         phrases += differing(what, pairs, lambda one, other, of=coefficient: mean(of[one], of[other]), bodies)  # type: ignore[misc]
+    if any(law.resists and law.cone == "one" for law in laws(scene)):
+        phrases.append("a bound of its own for friction, torsional friction and rolling friction")
     if any(law.restitution for law in laws(scene)):
         phrases.append(f"restitution above {2 * scene.gravity * method.timestep:.3g} m/s, without friction of its impulse")
     return "; ".join(phrases)

@@ -147,6 +147,8 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     if method.integrator != "PGS" and all(law.friction for law in resisting):
         for radius in sorted({patch_radius(law, method) for law in resisting}):
             phrases.append(f"torsional friction of patches of {radius:.3g} m{', also between bodies' * (len(bodies) > 1)}")
+    if any(law.cone == "one" for law in resisting):
+        phrases.append("a bound of its own for friction and torsional friction")
     if any(law.restitution for law in laws(scene)):
         threshold = method.option("bounce_threshold") or physx.get_scene_config().bounce_threshold
         phrases.append(f"no restitution below {float(threshold):g} m/s")
