@@ -101,11 +101,11 @@ def laws_of_pairs(scene: AnyScene, count: int) -> dict[tuple[int, int], Law]:
     The keys are as `Law.bodies`.
     """
     usual, *others = laws(scene)
-    own = {law.bodies: law for law in others}
+    stated = {law.bodies: law for law in others}
     pairs = [*((WORLD, index) for index in range(count)), *itertools.combinations(range(count), 2)]
     if scene.plane is None:
-        return {pair: own[pair] for pair in pairs if pair in own}
-    return {pair: own.get(pair, usual) for pair in pairs}
+        return {pair: stated[pair] for pair in pairs if pair in stated}
+    return {pair: stated.get(pair, usual) for pair in pairs}
 
 
 def _law(bodies: tuple[int, int], given: Plane | PairContact) -> Law:

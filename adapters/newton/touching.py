@@ -284,10 +284,13 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
         return ""
     bodies, mean = touching_bodies(scene), COMBINED["mean"]
     phrases = differences(scene, bodies, "mean")
-    given = moments_of(scene, len(bodies))
     for what, pairs in moments_wanted(scene, len(bodies)).items():
-        coefficient = given[what]
-        phrases += differing(what, pairs, lambda one, other, of=coefficient: mean(of[one], of[other]), bodies)  # type: ignore[misc]
+        given = moments_of(scene, len(bodies))[what]
+
+        def arrived(one: int, other: int, given: Mapping[int, float] = given) -> float:
+            return mean(given[one], given[other])
+
+        phrases += differing(what, pairs, arrived, bodies)
     if any(law.resists and law.cone == "one" for law in laws(scene)):
         phrases.append("a bound of its own for friction, torsional friction and rolling friction")
     if any(law.restitution for law in laws(scene)):

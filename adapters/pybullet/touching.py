@@ -198,7 +198,7 @@ def differing_moments(scene: AnyScene, bodies: Sequence[TouchingBody], method: M
     if not any(law.resists for law in between.values()):
         return []
     maximal = method.integrator == "maximal"
-    own = {index: moments(between[WORLD, index], given[WORLD].friction, maximal=maximal) for index in range(len(bodies))}
+    resisting = {index: moments(between[WORLD, index], given[WORLD].friction, maximal=maximal) for index in range(len(bodies))}
     phrases = ["a bound of its own for friction, torsional friction, and rolling friction about each of two axes"]
     for what, key, wanted in (
         ("rolling friction", "rollingFriction", {pair: law.rolling_friction for pair, law in between.items()}),
@@ -206,7 +206,7 @@ def differing_moments(scene: AnyScene, bodies: Sequence[TouchingBody], method: M
     ):
 
         def arrived(one: int, other: int, key: str = key) -> float:
-            of_one, of_other = (own.get(index, {}).get(key, 0.0) for index in (one, other))
+            of_one, of_other = (resisting.get(index, {}).get(key, 0.0) for index in (one, other))
             return of_one * given[other].friction + of_other * given[one].friction
 
         phrases += differing(what, wanted, arrived, bodies)

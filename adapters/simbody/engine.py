@@ -33,7 +33,7 @@ from bodycheck.adapters.mechanisms import in_body_axes
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.simbody import INSTALLATION, driving, mechanisms, sensing, touching
 from bodycheck.adapters.simbody.attitude import poses
-from bodycheck.adapters.simbody.libraries import function
+from bodycheck.adapters.simbody.libraries import ACCURACY_IN_USE, COUNTS, REALIZATIONS, STEPS_ATTEMPTED, STEPS_TAKEN, told
 from bodycheck.adapters.simbody.models import DRAG, described, started
 from bodycheck.adapters.stepping import Controlled, Normalised, NormalisedControl, Taking, TakingControl
 from bodycheck.adapters.touching import corners
@@ -74,17 +74,6 @@ RECORDED = 6000
 #: The beginning of the names of integrators in `Manager`.
 PREFIX = "IntegratorMethod_"
 
-#: The library of Simbody's integrators, and C++ functions of the class `Integrator`, by their names in it: the accuracy in use,
-#: and the numbers of steps taken, of steps attempted, and of realizations, which are evaluations of the accelerations.
-LIBRARY = "libSimTKmath"
-ACCURACY_IN_USE = "_ZNK5SimTK10Integrator16getAccuracyInUseEv"
-STEPS_TAKEN = "_ZNK5SimTK10Integrator16getNumStepsTakenEv"
-STEPS_ATTEMPTED = "_ZNK5SimTK10Integrator20getNumStepsAttemptedEv"
-REALIZATIONS = "_ZNK5SimTK10Integrator18getNumRealizationsEv"
-
-#: Whether Simbody's library has all of these functions.
-COUNTS = all(function(LIBRARY, name, ()) for name in (ACCURACY_IN_USE, STEPS_TAKEN, STEPS_ATTEMPTED, REALIZATIONS))
-
 
 def integrators() -> tuple[Integrator, ...]:
     """Return the integrators of the installed release."""
@@ -107,13 +96,6 @@ def defaults() -> dict[str, str]:
     names = {getattr(opensim.Manager, PREFIX + integrator.name): integrator.name for integrator in integrators()}
     tolerance = {"tolerance": f"{told(manager, ACCURACY_IN_USE, ctypes.c_double):g}"} if COUNTS else {}
     return {"integrator": names[manager.getIntegratorMethod()], **tolerance}
-
-
-def told(manager: Any, name: str, result: Any = ctypes.c_int) -> Any:
-    """Return what a C++ function of the integrator of a manager returns, of a `ctypes` type."""
-    integrator_function = function(LIBRARY, name, (ctypes.c_void_p,), result)
-    assert integrator_function is not None
-    return integrator_function(int(manager.getIntegrator()))
 
 
 def roles(defaults: Mapping[str, str]) -> dict[Role, dict[Kind, Usage]]:

@@ -242,9 +242,9 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     phrases = []
     if any(law.friction for law in (usual, *others)):
         phrases.append(f"friction that grows with the slip up to {TRANSITION_SPEED:g} m/s")
-    own = {law.bodies: law for law in others}
+    stated = {law.bodies: law for law in others}
     falls = {(WORLD, index): usual for index in range(len(parts))} if scene.plane is not None else {}
-    for pair, law in (falls | own).items():
+    for pair, law in (falls | stated).items():
         given = dissipation_of(pair, law, parts, scene)
         if given is not None:
             at = f"the restitution {law.restitution:g} at {impact_speed(*pair, parts, scene):.3g} m/s"
