@@ -10,7 +10,7 @@ has that of the scene. Friction is regularised: it grows with the slip, most of 
 
 Drake has no coefficient of restitution, but a dissipation of Hunt and Crossley, from which a coefficient follows that depends
 on the speed of the impact. A pair with a coefficient has the dissipation that returns it after the first fall; see
-`bodycheck.adapters.hunt_crossley`. All other pairs have Drake's default, with which no rebound is faster than 2 cm/s. The
+`bodycheck.adapters.pair_coefficients`. All other pairs have Drake's default, with which no rebound is faster than 2 cm/s. The
 approximation `sap` ignores this dissipation and has no restitution.
 
 A push is an external force on the plant, from the step on that is nearest to its instant; with error control steps end at its
@@ -36,10 +36,9 @@ from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
 from bodycheck.adapters.drake.contact import compliant, contact_of, properties, rigid
 from bodycheck.adapters.drake.mechanisms import body_name, seer
 from bodycheck.adapters.drake.models import PLANT, Model, add_link, configured, controlled, integrated, stepping_to
-from bodycheck.adapters.hunt_crossley import dissipation, impact_speed
 from bodycheck.adapters.links import link_of
 from bodycheck.adapters.mechanisms import in_body_axes
-from bodycheck.adapters.pair_coefficients import COMBINED, differing, shared, wanted
+from bodycheck.adapters.pair_coefficients import COMBINED, differing, dissipation, impact_speed, shared, wanted
 from bodycheck.adapters.stepping import Loop
 from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
 from bodycheck.reference import scene as shapes

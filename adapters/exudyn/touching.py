@@ -30,8 +30,8 @@ from bodycheck.adapters.exudyn import formulations, sensing, stepping
 from bodycheck.adapters.exudyn.contact import GROUND_SIZE_M, TIME_CONSTANT_S
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
 from bodycheck.adapters.exudyn.stepping import Stepper
-from bodycheck.adapters.hunt_crossley import impact_speed
 from bodycheck.adapters.links import link_of
+from bodycheck.adapters.pair_coefficients import impact_speed
 from bodycheck.adapters.stepping import Normalised
 from bodycheck.adapters.touching import Law, Pushed, TouchingBody, laws, laws_of_pairs, plane_of, switches, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene

@@ -6,7 +6,7 @@ among several bodies, cylinders and ellipsoids are `unsupported`.
 
 OpenSim has no default of the stiffness: a body sinks in by a hundredth of its smallest half-length under its weight, as a flat
 brick does (module `contact`), or under standard gravity if there is none. A pair with a coefficient of restitution has the
-dissipation that returns it in the first impact; see `bodycheck.adapters.hunt_crossley`. All others are damped critically at
+dissipation that returns it in the first impact; see `bodycheck.adapters.pair_coefficients`. All others are damped critically at
 rest. Friction grows with the slip up to OpenSim's default transition speed of 0.01 m/s.
 
 A push is a `PrescribedForce`, which is a function of the time.
@@ -21,8 +21,8 @@ import numpy as np
 import opensim
 
 from bodycheck.adapters.contract import Method, SceneUnsupported
-from bodycheck.adapters.hunt_crossley import dissipation, impact_speed
 from bodycheck.adapters.links import link_of
+from bodycheck.adapters.pair_coefficients import dissipation, impact_speed
 from bodycheck.adapters.simbody.contact import RADIUS, SINKING, hardness
 from bodycheck.adapters.simbody.mechanisms import in_simbody, placed
 from bodycheck.adapters.simbody.models import added

@@ -10,7 +10,7 @@ from bodycheck import load
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.drake import engine as drake
 from bodycheck.adapters.drake.touching import of_bodies
-from bodycheck.adapters.hunt_crossley import dissipation
+from bodycheck.adapters.pair_coefficients import dissipation
 from bodycheck.adapters.stepping import Controlled
 from bodycheck.adapters.touching import plane_of, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact

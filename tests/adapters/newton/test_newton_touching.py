@@ -103,9 +103,7 @@ def test_xpbd_has_the_coefficients_of_pairs_as_means() -> None:
     )
     # The pairs are (plane, 0), (plane, 1) and (0, 1), in the last of which are the coefficients of the plane.
     given = [(law.friction, law.rolling_friction, law.torsional_friction) for law in touching.materials_of(two, 2, method)]
-    assert np.array(given) == pytest.approx(
-        np.array([[0.5, 0.003, 0.002], [0.3, 0.001, 0.0], [0.7, 0.005, 0.004]]), abs=1e-12
-    )
+    assert np.array(given) == pytest.approx(np.array([[0.5, 0.003, 0.002], [0.3, 0.001, 0.0], [0.7, 0.005, 0.004]]), abs=1e-12)
     assert adapter.contact_terms(two, method) == ""
     # Three bodies have three pairs with the plane, but the friction of no body is negative.
     third = several(BLOCKS, Plane(0.5), contacts=OWN)
