@@ -5,8 +5,7 @@ record says as data which scenes the engine can model, with which integrators, a
 else is optional: an adapter does not implement the protocols that its engine cannot serve. `Models` is for several models of a
 scene; `ContactLaw`, `ContactLoad` and `InterfaceLoads` are for the friction law and the forces of contacts; `Sensing` is for
 its sensors; `Scripts` is for a run as a script for the engine alone; `Calls` names the functions of the engine that steps call.
-`bodycheck.adapters.links.Links` is for engines that take a body as links welded together,
-`bodycheck.adapters.touching.Boxes` for free boxes that touch in an audit, and
+`bodycheck.adapters.links.Links` is for engines that take a body as links welded together, and
 `bodycheck.adapters.robot_reading.RobotModels` for engines that read files of robots. For all adapters,
 `bodycheck.adapters.offers` handles misspelled methods, scenes that an engine cannot model, and several scenes for an engine
 that steps one scene at a time.

@@ -4,7 +4,7 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Generic, Protocol, TypeVar, runtime_checkable
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -29,23 +29,6 @@ class TouchingBody:
     body: Body
     shape: Shape
     start: State
-
-
-@runtime_checkable
-class Boxes(Protocol):
-    """An adapter that can give its engine free boxes that touch, though its record offers no bodies that touch.
-
-    It is for `bodycheck audit`, which needs no truth of these scenes. An adapter whose record models contacts prepares them by
-    `Adapter.prepare` instead.
-    """
-
-    def prepare_boxes(self, scene: Mechanism, method: Method) -> Simulation:
-        """Return a simulation of free bricks that touch the level plane of the scene and each other, at t = 0.
-
-        The friction and the restitution of the plane are the coefficients of all pairs. There are no joints, pushes or other
-        pairs. Raises `SceneUnsupported`.
-        """
-        ...
 
 
 @dataclass(frozen=True)
@@ -110,6 +93,19 @@ def laws(scene: AnyScene) -> tuple[Law, ...]:
     pairs = scene.contacts if isinstance(scene, Mechanism) else ()
     usual = Plane() if scene.plane is None else scene.plane
     return _law((WORLD, WORLD), usual), *(_law(pair.bodies, pair) for pair in pairs)
+
+
+def laws_of_pairs(scene: AnyScene, count: int) -> dict[tuple[int, int], Law]:
+    """Return the law of each pair that may touch, of the plane with each of `count` bodies, and then of two bodies.
+
+    The keys are as `Law.bodies`.
+    """
+    usual, *others = laws(scene)
+    stated = {law.bodies: law for law in others}
+    pairs = [*((WORLD, index) for index in range(count)), *itertools.combinations(range(count), 2)]
+    if scene.plane is None:
+        return {pair: stated[pair] for pair in pairs if pair in stated}
+    return {pair: stated.get(pair, usual) for pair in pairs}
 
 
 def _law(bodies: tuple[int, int], given: Plane | PairContact) -> Law:

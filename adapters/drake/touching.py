@@ -10,8 +10,8 @@ has that of the scene. Friction is regularised: it grows with the slip, most of 
 
 Drake has no coefficient of restitution, but a dissipation of Hunt and Crossley, from which a coefficient follows that depends
 on the speed of the impact. A pair with a coefficient has the dissipation that returns it after the first fall; see
-`dissipation`. All other pairs have Drake's default, with which no rebound is faster than 2 cm/s. The approximation `sap`
-ignores this dissipation and has no restitution.
+`bodycheck.adapters.pair_coefficients`. All other pairs have Drake's default, with which no rebound is faster than 2 cm/s. The
+approximation `sap` ignores this dissipation and has no restitution.
 
 A push is an external force on the plant, from the step on that is nearest to its instant; with error control steps end at its
 instants.
@@ -38,7 +38,7 @@ from bodycheck.adapters.drake.mechanisms import body_name, seer
 from bodycheck.adapters.drake.models import PLANT, Model, add_link, configured, controlled, integrated, stepping_to
 from bodycheck.adapters.links import link_of
 from bodycheck.adapters.mechanisms import in_body_axes
-from bodycheck.adapters.pair_coefficients import COMBINED, differing, shared, wanted
+from bodycheck.adapters.pair_coefficients import COMBINED, differing, dissipation, impact_speed, shared, wanted
 from bodycheck.adapters.stepping import Loop
 from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
 from bodycheck.reference import scene as shapes
@@ -57,8 +57,8 @@ WITHOUT_DISSIPATION = "sap"
 #: Drake's default dissipation (s/m).
 DISSIPATION = SceneGraphConfig().default_proximity_properties.hunt_crossley_dissipation
 
-#: The largest coefficient of friction of a body, and the least dissipation (s/m) of a pair with a coefficient of restitution.
-MOST_FRICTION, LEAST_DISSIPATION = 1e12, 1e-9
+#: The largest coefficient of friction of a body.
+MOST_FRICTION = 1e12
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,61 +288,3 @@ def of_bodies(scene: AnyScene, parts: Sequence[TouchingBody]) -> tuple[dict[int,
 def dissipation_of(restitution: float, speed: float) -> float:
     """Return the dissipation (s/m) of a pair with a coefficient of restitution that meets at a speed (m/s)."""
     return dissipation(restitution, speed) if restitution > 0 and speed > 0 else DISSIPATION
-
-
-def impact_speed(one: int, other: int, parts: Sequence[TouchingBody], scene: AnyScene) -> float:
-    """Return the speed (m/s) of the first impact of two bodies, given by their indices, of which one may be `WORLD`.
-
-    On the plane it is that of the centre of mass after its first fall. That of two bodies is their relative speed at the start,
-    or else that of the faster fall.
-    """
-    if WORLD not in (one, other):
-        velocities = np.array([parts[index].start.velocity for index in (one, other)])
-        if relative := float(np.linalg.norm(velocities[0] - velocities[1])):
-            return relative
-    return max(fall(parts[index], scene) for index in (one, other) if index != WORLD)
-
-
-def fall(part: TouchingBody, scene: AnyScene) -> float:
-    """Return the speed (m/s) along the normal with which a body first reaches the plane; zero for one that lies on it."""
-    normal = np.array(plane_of(scene).normal)
-    state = part.start
-    along = rotate(np.array([1.0, -1.0, -1.0, -1.0]) * np.array(state.quaternion), normal)
-    height = float(normal @ state.position) - extent(part.shape, along)
-    squared = float(normal @ state.velocity) ** 2 + 2 * scene.gravity * float(normal[2]) * height
-    # A body that lies on the plane is above it by rounding.
-    return math.sqrt(squared) if height > 1e-9 and squared > 0 else 0.0
-
-
-def extent(shape: Shape, direction: Array) -> float:
-    """Return how far a body extends (m) from its centre along a direction in its frame."""
-    match shape:
-        case shapes.Brick(half):
-            return float(np.abs(direction) @ half)
-        case shapes.Ellipsoid(half):
-            return float(np.linalg.norm(direction * half))
-        case shapes.Cylinder(radius, half_length):
-            return float(radius * np.hypot(direction[0], direction[1]) + half_length * abs(direction[2]))
-        case _:
-            return shape.radius
-
-
-def dissipation(restitution: float, speed: float) -> float:
-    """Return the dissipation d (s/m) with which a point that hits a plane at a speed (m/s) has a coefficient of restitution.
-
-    The force is k x (1 + d x') while it pushes, for the penetration x. Multiplied by the velocity and divided by 1 + d x' it
-    is integrated: u - ln(1 + u) is the same before and after the impact, for u = d x'. The result does not depend on k, on the
-    mass, or on a power of x in the place of x.
-    """
-    from scipy.optimize import brentq  # takes longer to import than the rest of this adapter without Drake
-
-    if restitution == 1:
-        return LEAST_DISSIPATION
-
-    def gap(u: float) -> float:
-        return u - math.log1p(u) + restitution * u + math.log1p(-restitution * u)
-
-    largest = (1 - 1e-15) / restitution
-    if gap(largest) > 0:  # the rebound has its bound 1/d except for rounding
-        return largest / speed
-    return float(brentq(gap, 1e-3 * (1 - restitution), largest, xtol=1e-15)) / speed

@@ -51,8 +51,9 @@ together (`jointed_bodies`). Implicit solvers step it with order 2; it has no ar
 constraint too: on positions in `GeneralizedAlpha`, where its gap is rounding, and on velocities in `TrapezoidalIndex2`, where
 the gap grows with the square of the step. Loops may be redundant, so the solver is set to accept a singular Jacobian.
 
-A brick on a plane has a `GeneralContact` at its four corners; the module `contact` describes its stiffness. A cylinder has no
-contact.
+A brick that lies on a plane has a `GeneralContact` at its four corners; the module `contact` describes its stiffness. A
+cylinder has no contact. Spheres and bricks that touch in any other way have contacts of spheres (module `touching`), in the
+implicit solvers alone. There, the halving of steps is left on.
 """
 
 from bodycheck.adapters.installation import Installation

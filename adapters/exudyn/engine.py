@@ -31,6 +31,7 @@ from bodycheck.adapters.exudyn import (
     kinematic_trees,
     sensing,
     stepping,
+    touching,
 )
 from bodycheck.adapters.exudyn.driving import Actuated, follows
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
@@ -40,6 +41,7 @@ from bodycheck.adapters.mechanisms import stops_of
 from bodycheck.adapters.stepping import Controlled, Normalised, Taking, TakingControl, TakingLaws
 from bodycheck.adapters.touching import corners
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -95,8 +97,13 @@ def integrators() -> tuple[Integrator, ...]:
     # On a plane, the stiffness of the contacts depends on the time step.
     controlled = explicit | {"accuracy": replace(ACCURACY, kinds=KINDS - {"plane"})}
     implicit = {"formulation": choice("EP", "Rxyz")}
+    # Contacts need the iterations for discontinuities, which explicit solvers do not make.
+    smooth = KINDS - {"contact"}
     return (
-        *(Integrator(name, *ORDERS[name], options=controlled if name in stepping.CONTROLLED else explicit) for name in ORDERS),
+        *(
+            Integrator(name, *ORDERS[name], smooth, options=controlled if name in stepping.CONTROLLED else explicit)
+            for name in ORDERS
+        ),
         Integrator("GeneralizedAlpha", 2, options={**implicit, "settings": choice("engine")}),
         Integrator("TrapezoidalIndex2", 2, options=implicit),
     )
@@ -122,8 +129,7 @@ def roles() -> dict[Role, dict[Kind, Usage]]:
     )
     # "For fixed step sizes, this is the recommended integrator."
     advised = Usage("GeneralizedAlpha:settings=engine", 1e-3, f"{DOCUMENTATION}/RigidBodyAndJointsTutorial.html")
-    kinds = KINDS - {"contact"}
-    return {"default": dict.fromkeys(kinds, usual), "recommended": dict.fromkeys(kinds, advised)}
+    return {"default": dict.fromkeys(KINDS, usual), "recommended": dict.fromkeys(KINDS, advised)}
 
 
 engine = Engine(
@@ -131,8 +137,14 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(exudyn.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | OF_MECHANISMS,
-    variants={"flight": VARIANTS, "drag": VARIANTS, "plane": VARIANTS[1:], "mechanism": VARIANTS[1:2]},
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | OF_MECHANISMS | touching.MODELS,
+    variants={
+        "flight": VARIANTS,
+        "drag": VARIANTS,
+        "plane": VARIANTS[1:],
+        "mechanism": VARIANTS[1:2],
+        "contact": VARIANTS[1:],
+    },
     defaults=defaults(),
     roles=roles(),
     reads=("step",),
@@ -142,6 +154,7 @@ engine = Engine(
 contact_law = corners
 
 lacking = sensing.lacking
+interface_loads, contact_terms = touching.interface_loads, touching.contact_terms
 
 #: The functions of Exudyn that steps call from Python. Exudyn itself calls the Python functions of forces.
 calls = tuple((kind, "SolveSteps") for kind in (exudyn.MainSolverExplicit, exudyn.MainSolverImplicitSecondOrder))
@@ -172,6 +185,8 @@ class Model:
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if touches(scene):
+        return touching.prepare(scene, method)
     if isinstance(scene, Mechanism):
         return jointed(scene, method).simulation
     return normalised(model(scene, method))
@@ -179,6 +194,9 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if touches(scene):
+        together = touching.built(scene, method, sensors)
+        return SensingSimulation(touching.simulated(scene, together, method), together.read)
     if isinstance(scene, Mechanism):
         return jointed(scene, method, sensors)
     built = model(scene, method, sensors=sensors)

@@ -24,7 +24,8 @@ from bodycheck.adapters.contract import Method
 from bodycheck.adapters.exudyn import kinematic_trees
 from bodycheck.adapters.exudyn.jointed_bodies import Assembly, turn_of
 from bodycheck.reference.kinematics import conjugate, rotate
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.sensors.sensor import Sensor, SensorType
 from bodycheck.reference.trajectory import Array
 
@@ -40,7 +41,7 @@ def lacking(scene: AnyScene, sensor: Sensor, _method: Method) -> str | None:
     """Return why Exudyn does not read a sensor, as `Sensing.lacking` does."""
     if sensor.type == "joint_effort":
         return "has no sensor of the efforts of joints"
-    if not isinstance(scene, Mechanism):
+    if not isinstance(scene, Mechanism) or touches(scene):
         return None
     if sensor.type == "contact_force":
         return "has no shapes of the bodies of mechanisms here"
@@ -71,6 +72,36 @@ def of_single_body(
         return tuple(contact_force() if number is None else values(system, number) for number in numbers)
 
     return read
+
+
+def of_touching(
+    system: "exudyn.MainSystem",
+    bodies: Sequence[Any],
+    contacts: Sequence[tuple[tuple[int, int], Any]],
+    sensors: Sequence[Sensor],
+) -> Callable[[], tuple[Array, ...]]:
+    """Add sensors of bodies that touch to a system, and return the function that reads them.
+
+    contacts: their numbers, each with the indices of its two bodies.
+    """
+
+    def contact_force(body: int) -> Callable[[], Array]:
+        # The force of a contact is that on the first of its markers, and the plane has the second.
+        signs = [(-1 if pair[1] == body and pair[0] != WORLD else 1, number) for pair, number in contacts if body in pair]
+        return lambda: sum((sign * force_of(system, number) for sign, number in signs), start=np.zeros(3))
+
+    readers = [
+        contact_force(sensor.body)
+        if sensor.type == "contact_force"
+        else reading(system, on_body(system, bodies[sensor.body], sensor))
+        for sensor in sensors
+    ]
+    return lambda: tuple(each() for each in readers)
+
+
+def force_of(system: "exudyn.MainSystem", contact: Any) -> Array:
+    """Return the present force (3,), in N and in the world, of a contact on the first of its markers."""
+    return np.array(system.GetObjectOutput(contact, exudyn.OutputVariableType.Force))
 
 
 def of_bodies(

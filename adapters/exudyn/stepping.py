@@ -105,11 +105,12 @@ class Stepper:
         return Work(self.taken, self.solver.it.rejectedAutomaticStepSizeSteps, None)
 
 
-def settings(method: Method, constrained: bool) -> "exudyn.SimulationSettings":
+def settings(method: Method, constrained: bool, impacts: bool = False) -> "exudyn.SimulationSettings":
     """Return the settings with which a solver takes the steps of a method, writes no file and prints nothing.
 
     `constrained` says whether the system has algebraic constraints. Exudyn's documentation requires a spectral radius below 1
-    for constraints on positions, so that it is 1 only without constraints.
+    for constraints on positions, so that it is 1 only without constraints. `impacts` says whether bodies hit each other or a
+    plane. Exudyn then halves steps in which the iterations for the states of contacts do not converge.
     """
     simulation = exudyn.SimulationSettings()
     simulation.solution.file.write = False
@@ -123,7 +124,7 @@ def settings(method: Method, constrained: bool) -> "exudyn.SimulationSettings":
     if method.option("settings") != "engine":
         # Modified Newton keeps a Jacobian over many steps, until the end of a stride: states would depend on the sampling.
         time.newton.useModifiedNewton = False
-        time.adaptiveStep = False
+        time.adaptiveStep = impacts
         if not constrained:
             time.generalizedAlpha.spectralRadius = 1.0
     time.solverType = getattr(exudyn.DynamicSolverType, method.integrator)
@@ -145,6 +146,7 @@ def initialised(
     seen: Callable[[], Array],
     rows: Callable[[Array], Array],
     redundant: bool = False,
+    impacts: bool = False,
 ) -> Stepper | Controlled:
     """Return the simulation of a complete system, with an initialised solver, and with error control if the method has it.
 
@@ -154,6 +156,8 @@ def initialised(
         See `Stepper`.
     redundant
         Whether constraints may depend on each other, so that the solver must accept a singular Jacobian.
+    impacts
+        Whether bodies hit each other or a plane.
 
     Raises
     ------
@@ -161,7 +165,8 @@ def initialised(
         If Exudyn refuses the system.
     """
     system.Assemble()
-    chosen, engine_solver = settings(method, len(system.systemData.GetAECoordinates()) > 0), solver(method)
+    constrained = len(system.systemData.GetAECoordinates()) > 0
+    chosen, engine_solver = settings(method, constrained, impacts), solver(method)
     if redundant:
         chosen.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
         chosen.linearSolver.ignoreSingularJacobian = True

@@ -8,6 +8,7 @@ import numpy as np
 from newton import solvers
 
 from bodycheck.adapters.contract import KINDS, Kind, Method, Option, Range, choice
+from bodycheck.adapters.mujoco import contact
 
 #: A coordinate (rad or m) that no joint reaches, by which Newton says that a joint has no limit.
 FAR = 1e10
@@ -80,12 +81,15 @@ def mujoco(scheme: str) -> Solver:
     stages = 4 if scheme == "rk4" else 1
 
     def make(model: Any, method: Method, **chosen: Any) -> Any:
+        impratio = method.option("impratio")
+        chosen |= {"cone": method.option("cone"), "impratio": None if impratio is None else float(impratio)}
         return solvers.SolverMuJoCo(model, integrator=scheme, **chosen)
 
     return Solver(
         make,
         stages,
         stages,
+        options={key: contact.OPTIONS[key] for key in ("cone", "impratio")},
         collides=False,
         own_passive_forces=True,
         lacks=frozenset({"rigid stops"}),

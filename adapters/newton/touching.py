@@ -1,7 +1,7 @@
 """Step free bodies that touch a plane and each other, by the contacts of Newton's solvers MuJoCo and XPBD.
 
 The plane is Newton's infinite plane, and a body has one shape. Newton's own coefficients of torsional and rolling friction,
-which XPBD uses for every contact, are zero here, because the scenes have no such friction. The stiffness and the damping of
+which XPBD uses for every contact, are those of the scene, which are lengths as Newton's are. The stiffness and the damping of
 contacts are Newton's own, which the solver MuJoCo converts to MuJoCo's own time constant and damping ratio.
 
 The solver MuJoCo uses the larger coefficient of friction of two shapes, and finds contacts by MuJoCo Warp. All shapes have the
@@ -25,13 +25,14 @@ from newton.solvers import mujoco
 from bodycheck.adapters.contract import Method, SensingSimulation
 from bodycheck.adapters.links import link_of, tensor
 from bodycheck.adapters.mujoco import touching as of_mujoco
+from bodycheck.adapters.mujoco.contact import MUJOCO_MIN_FRICTION
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton.mechanisms import by_mujoco, twist
 from bodycheck.adapters.newton.sensing import Instruments, add_sites, transform
 from bodycheck.adapters.newton.solvers import SOLVERS
-from bodycheck.adapters.pair_coefficients import coefficients, differences
+from bodycheck.adapters.pair_coefficients import COMBINED, coefficients, differences, differing, shared
 from bodycheck.adapters.stepping import Loop, Normalised
-from bodycheck.adapters.touching import Law, Pushed, TouchingBody, laws, plane_of, switches, touching_bodies
+from bodycheck.adapters.touching import Law, Pushed, TouchingBody, laws, laws_of_pairs, plane_of, switches, touching_bodies
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
@@ -41,13 +42,20 @@ from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that Newton models.
-MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
+MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts", "rolling friction", "torsional friction"})
 
 #: The largest coefficient below zero that is a rounding error of zero.
 ROUNDING = 1e-9
 
-#: The number of contacts of each body for which MuJoCo Warp reserves memory, and the most rows of constraints of a contact.
-CONTACTS_OF_A_BODY, ROWS_OF_A_CONTACT = 16, 4
+#: The least number of single precision that is not below MuJoCo's least coefficient of torsional friction (m).
+LEAST_IN_SINGLE_PRECISION = float(np.nextafter(np.float32(MUJOCO_MIN_FRICTION), np.float32(1.0)))
+
+#: The dimensions of a contact with friction alone.
+USUAL_DIMENSIONS = 3
+
+#: The number of contacts of each body for which MuJoCo Warp reserves memory, and the most rows of constraints of a contact,
+#: without and with rolling or torsional friction.
+CONTACTS_OF_A_BODY, ROWS_OF_A_CONTACT, ROWS_WITH_MOMENTS = 16, 4, 10
 
 
 def add_pushes(
@@ -134,7 +142,8 @@ def solver_of(scene: AnyScene, model: Any, method: Method) -> Any:
     """Return the solver of a model of bodies that touch."""
     if by_mujoco(method):
         count = CONTACTS_OF_A_BODY * model.body_count
-        chosen: dict[str, Any] = {"nconmax": count, "njmax": ROWS_OF_A_CONTACT * count}
+        rows = ROWS_WITH_MOMENTS if any(law.resists for law in laws(scene)) else ROWS_OF_A_CONTACT
+        chosen: dict[str, Any] = {"nconmax": count, "njmax": rows * count}
     else:
         chosen = {"enable_restitution": any(law.restitution for law in laws(scene))}
     return SOLVERS[method.integrator].make(model, method, **chosen)
@@ -163,21 +172,66 @@ def built(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method, senso
     return builder.finalize(skip_validation_inertia=True)
 
 
-def materials_of(scene: AnyScene, bodies: int, method: Method) -> list[tuple[float, float]]:
-    """Return the friction and the restitution of the plane and of each body, of which Newton makes those of pairs."""
+def materials_of(scene: AnyScene, bodies: int, method: Method) -> list[Law]:
+    """Return the coefficients of the plane and of each body, of which Newton makes those of pairs, as laws."""
     usual, *_ = laws(scene)
     if by_mujoco(method):
-        return [(usual.friction, usual.restitution)] * (bodies + 1)
-    given = coefficients(scene, bodies, "mean")
-    return [(given[index].friction, given[index].restitution) for index in (WORLD, *range(bodies))]
+        return [usual] * (bodies + 1)
+    given, resisting = coefficients(scene, bodies, "mean"), moments_of(scene, bodies)
+    return [
+        replace(
+            usual,
+            friction=given[index].friction,
+            restitution=given[index].restitution,
+            rolling_friction=resisting["rolling friction"][index],
+            torsional_friction=resisting["torsional friction"][index],
+        )
+        for index in (WORLD, *range(bodies))
+    ]
 
 
-def shape_of_material(material: tuple[float, float], method: Method) -> dict[str, Any]:
-    """Return the arguments of a shape with a friction and a restitution."""
-    friction, restitution = material
-    config = newton.ModelBuilder.ShapeConfig(mu=friction, mu_torsional=0.0, mu_rolling=0.0, restitution=restitution)
-    frictionless = by_mujoco(method) and not friction
-    return {"cfg": config, "custom_attributes": {"mujoco:condim": 1} if frictionless else {}}
+def moments_of(scene: AnyScene, bodies: int) -> dict[str, dict[int, float]]:
+    """Return the rolling and the torsional friction (m), by their names, of the plane and of each body, for XPBD."""
+    return {what: shared(pairs, "mean") for what, pairs in moments_wanted(scene, bodies).items()}
+
+
+def moments_wanted(scene: AnyScene, bodies: int) -> dict[str, dict[tuple[int, int], float]]:
+    """Return the rolling and the torsional friction (m), by their names, of each pair of a scene."""
+    between = laws_of_pairs(scene, bodies)
+    return {
+        "rolling friction": {pair: law.rolling_friction for pair, law in between.items()},
+        "torsional friction": {pair: law.torsional_friction for pair, law in between.items()},
+    }
+
+
+def shape_of_material(law: Law, method: Method) -> dict[str, Any]:
+    """Return the arguments of a shape with the coefficients of a law."""
+    torsional, rolling = law.torsional_friction, law.rolling_friction
+    attributes: dict[str, Any] = {}
+    if by_mujoco(method):
+        torsional, rolling = moments_of_mujoco(law)
+        if (dimensions := dimensions_of(law)) != USUAL_DIMENSIONS:
+            attributes["mujoco:condim"] = dimensions
+    config = newton.ModelBuilder.ShapeConfig(
+        mu=law.friction, mu_torsional=torsional, mu_rolling=rolling, restitution=law.restitution
+    )
+    return {"cfg": config, "custom_attributes": attributes}
+
+
+def moments_of_mujoco(law: Law) -> tuple[float, float]:
+    """Return the torsional and the rolling friction (m) of MuJoCo's contacts of a pair with a law.
+
+    In the single precision of Newton's model, MuJoCo's least coefficient would be less than itself.
+    """
+    if not law.resists:
+        return 0.0, 0.0
+    torsional, rolling = of_mujoco.moments(law)
+    return max(torsional, LEAST_IN_SINGLE_PRECISION) if law.rolling_friction else torsional, rolling
+
+
+def dimensions_of(law: Law) -> int:
+    """Return the dimensions of MuJoCo's contacts of a pair with a law."""
+    return int(of_mujoco.dimensions(law) or (USUAL_DIMENSIONS if law.friction else 1))
 
 
 def add_body(builder: Any, body: TouchingBody, shape: Mapping[str, Any]) -> None:
@@ -208,8 +262,9 @@ def add_body(builder: Any, body: TouchingBody, shape: Mapping[str, Any]) -> None
 def add_pair(builder: Any, law: Law) -> None:
     """Add a pair with its own friction to a builder of a model for MuJoCo. The shapes follow the plane in their order."""
     first, second = (body - WORLD for body in law.bodies)
-    friction = (law.friction, law.friction, 0.0, 0.0, 0.0)
-    mujoco.add_contact_pair(builder, first, second, condim=3 if law.friction else 1, friction=friction)
+    torsional, rolling = moments_of_mujoco(law)
+    friction = (law.friction, law.friction, torsional, rolling, rolling)
+    mujoco.add_contact_pair(builder, first, second, condim=dimensions_of(law), friction=friction)
 
 
 def rows(seen: Array) -> Array:
@@ -227,7 +282,17 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
         return of_mujoco.contact_terms(scene, method)
     if not touches(scene):
         return ""
-    phrases = differences(scene, touching_bodies(scene), "mean")
+    bodies, mean = touching_bodies(scene), COMBINED["mean"]
+    phrases = differences(scene, bodies, "mean")
+    for what, pairs in moments_wanted(scene, len(bodies)).items():
+        given = moments_of(scene, len(bodies))[what]
+
+        def arrived(one: int, other: int, given: Mapping[int, float] = given) -> float:
+            return mean(given[one], given[other])
+
+        phrases += differing(what, pairs, arrived, bodies)
+    if any(law.resists and law.cone == "one" for law in laws(scene)):
+        phrases.append("a bound of its own for friction, torsional friction and rolling friction")
     if any(law.restitution for law in laws(scene)):
         phrases.append(f"restitution above {2 * scene.gravity * method.timestep:.3g} m/s, without friction of its impulse")
     return "; ".join(phrases)

@@ -2,7 +2,8 @@
 
 The plane is a box, as the ground of PyBullet's own `plane.urdf` is: a box on a box has four contacts at once, but a box on
 PyBullet's `GEOM_PLANE` gets them one by one, which throws it about at the start. Bodies are PyBullet's spheres, boxes and
-cylinders. Bullet multiplies the coefficients of two bodies; a friction of a pair above `MAX_FRICTION` becomes this number. A
+cylinders. Bullet multiplies the coefficients of two bodies; a friction of a pair above `MAX_FRICTION` becomes this number. Its
+rolling and spinning friction are lengths, as those of a scene; the plane has neither. A
 push is a force that is applied in each step.
 
 Bullet bounces bodies before they touch: a contact exists from a distance of 2 cm on, and the step that would close the gap
@@ -15,16 +16,16 @@ both, a ball keeps 0.80. `restitutionVelocityThreshold` is the speed below which
 """
 
 import weakref
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 import pybullet
 
 from bodycheck.adapters.attitudes import in_body_frame
-from bodycheck.adapters.contract import Kind, Method, Option
+from bodycheck.adapters.contract import Kind, Method, Option, SceneUnsupported
 from bodycheck.adapters.method import Range
-from bodycheck.adapters.pair_coefficients import coefficients, differences
+from bodycheck.adapters.pair_coefficients import coefficients, differences, differing
 from bodycheck.adapters.pybullet.links import BASE
 from bodycheck.adapters.pybullet.worlds import (
     World,
@@ -38,7 +39,7 @@ from bodycheck.adapters.pybullet.worlds import (
     set_state,
 )
 from bodycheck.adapters.stepping import Loop, several
-from bodycheck.adapters.touching import acting, laws, plane_of, touching_bodies
+from bodycheck.adapters.touching import Law, TouchingBody, acting, laws, laws_of_pairs, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
@@ -47,7 +48,7 @@ from bodycheck.reference.scene import Push, Scene
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that Bullet models.
-MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
+MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts", "rolling friction", "torsional friction"})
 
 #: The kinds of scene with these contacts.
 CONTACT: frozenset[Kind] = frozenset({"contact"})
@@ -118,7 +119,7 @@ def built(scene: AnyScene, method: Method) -> Touching:
     """Return a server with the bodies of a scene in their initial states. Raises `SceneUnsupported`."""
     bodies, maximal = touching_bodies(scene), method.integrator == "maximal"
     shapes = [collision_shape(body.shape, body.body.axes) for body in bodies]
-    given = coefficients(scene, len(bodies), "product")
+    given, between = coefficients(scene, len(bodies), "product"), laws_of_pairs(scene, len(bodies))
     client = connected(scene.gravity, method)
     chosen = {key: float(value) for key, value in method.options if key in OPTIONS}
     of_body = {key: chosen.pop(key) for key in ("contactProcessingThreshold",) if key in chosen}
@@ -130,12 +131,41 @@ def built(scene: AnyScene, method: Method) -> Touching:
         shape = pybullet.createCollisionShape(**arguments, physicsClientId=client)
         number = pybullet.createMultiBody(body.body.mass, shape, useMaximalCoordinates=maximal, physicsClientId=client)
         worlds.append(world := World(client, number))
-        set_properties(world, body.body, named(given[index]) | of_body, method)
+        resisting = moments(between[WORLD, index], given[WORLD].friction, maximal=maximal)
+        set_properties(world, body.body, named(given[index]) | resisting | of_body, method)
         set_state(world, along_principal_axes(Scene(body.body, body.start)).initial)
     indices = {ground: WORLD} | {world.body: index for index, world in enumerate(worlds)}
     touching = Touching(client, tuple(worlds), indices, acting(scene.pushes, method.timestep))
     weakref.finalize(touching, pybullet.disconnect, client)
     return touching
+
+
+def moments(law: Law, ground: float, *, maximal: bool) -> dict[str, float]:
+    """Return the arguments of `changeDynamics` that set the rolling and the torsional friction of a body on the plane.
+
+    Bullet adds the products of each body's rolling friction, a length, and the other one's friction.
+
+    Parameters
+    ----------
+    law
+        The law of the body on the plane.
+    ground
+        The coefficient of friction that the plane was given.
+    maximal
+        Whether bodies have maximal coordinates. Bullet then ignores torsional friction where there is no rolling friction.
+
+    Raises
+    ------
+    SceneUnsupported
+        For a plane without friction, or for torsional friction that Bullet would ignore.
+    """
+    if not law.resists:
+        return {}
+    if not ground:
+        raise SceneUnsupported("rolling or torsional friction without friction, by which Bullet multiplies both")
+    if maximal and not law.rolling_friction:
+        raise SceneUnsupported("torsional friction without rolling friction: maximal coordinates ignore it then")
+    return {"rollingFriction": law.rolling_friction / ground, "spinningFriction": law.torsional_friction / ground}
 
 
 def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:
@@ -154,8 +184,30 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     """Return which friction and restitution Bullet has in the place of those of a scene, as `ContactTerms` does."""
     if not touches(scene):
         return ""
-    phrases = differences(scene, touching_bodies(scene), "product", MAX_FRICTION)
+    bodies = touching_bodies(scene)
+    phrases = [*differences(scene, bodies, "product", MAX_FRICTION), *differing_moments(scene, bodies, method)]
     if any(law.restitution for law in laws(scene)):
         threshold = float(method.option("restitutionVelocityThreshold") or BOUNCE_THRESHOLD)
         phrases += [f"no restitution below {threshold:g} m/s"] if threshold else []
     return "; ".join(phrases)
+
+
+def differing_moments(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) -> list[str]:
+    """Return, as noun phrases, what Bullet has in the place of the rolling and torsional friction of a scene."""
+    given, between = coefficients(scene, len(bodies), "product"), laws_of_pairs(scene, len(bodies))
+    if not any(law.resists for law in between.values()):
+        return []
+    maximal = method.integrator == "maximal"
+    resisting = {index: moments(between[WORLD, index], given[WORLD].friction, maximal=maximal) for index in range(len(bodies))}
+    phrases = ["a bound of its own for friction, torsional friction, and rolling friction about each of two axes"]
+    for what, key, wanted in (
+        ("rolling friction", "rollingFriction", {pair: law.rolling_friction for pair, law in between.items()}),
+        ("torsional friction", "spinningFriction", {pair: law.torsional_friction for pair, law in between.items()}),
+    ):
+
+        def arrived(one: int, other: int, key: str = key) -> float:
+            of_one, of_other = (resisting.get(index, {}).get(key, 0.0) for index in (one, other))
+            return of_one * given[other].friction + of_other * given[one].friction
+
+        phrases += differing(what, wanted, arrived, bodies)
+    return phrases

@@ -1,7 +1,8 @@
 """Step free bodies that touch a plane and each other in SAPIEN, by PhysX's own contacts.
 
 The plane is PhysX's plane, turned about y. Bodies are SAPIEN's boxes, spheres and cylinders; a cylinder is a polyhedron there.
-PhysX uses the mean of the coefficients of two bodies. A push is a force that is applied in each step.
+PhysX uses the mean of the coefficients of two bodies. A push is a force that is applied in each step. The torsional friction of
+a body on the plane is that of a patch, whose radius is `min_patch_radius` of its shape; the solver PGS has none.
 
 PhysX does not bounce bodies that meet more slowly than 2 m/s. The option `bounce_threshold` is this speed; at the speed that
 gravity gives in a step a ball would not come to rest. A bounce has the coefficient times the velocity before it, to which
@@ -18,12 +19,12 @@ import sapien
 from sapien import physx
 
 from bodycheck.adapters.attitudes import in_body_frame
-from bodycheck.adapters.contract import Method, Option
+from bodycheck.adapters.contract import Method, Option, SceneUnsupported
 from bodycheck.adapters.method import Range
 from bodycheck.adapters.pair_coefficients import coefficients, differences
 from bodycheck.adapters.sapien.worlds import World, add_plane, collision_shape, moving, new_system, rows, seen
 from bodycheck.adapters.stepping import Normalised, several
-from bodycheck.adapters.touching import acting, laws, plane_of, touching_bodies
+from bodycheck.adapters.touching import Law, acting, laws, laws_of_pairs, plane_of, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
@@ -32,7 +33,7 @@ from bodycheck.reference.scene import Push, Scene
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that PhysX models.
-MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
+MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts", "torsional friction"})
 
 #: PhysX's setting of contacts that a method may set. PhysX refuses zero.
 OPTIONS = {
@@ -91,6 +92,9 @@ def built(scene: AnyScene, method: Method) -> Touching:
     bodies = touching_bodies(scene)
     given = coefficients(scene, len(bodies), "mean")
     shapes = [collision_shape(body.shape, body.body.axes, given[index]) for index, body in enumerate(bodies)]
+    for shape, law in zip(shapes, on_plane(scene, len(bodies)), strict=True):
+        if law.torsional_friction:
+            shape.min_patch_radius = patch_radius(law, method)
     system = new_system(scene.gravity, method)
     whole = sapien.Scene([system])
     ground = add_plane(whole, plane_of(scene).incline, given[WORLD])
@@ -99,6 +103,24 @@ def built(scene: AnyScene, method: Method) -> Touching:
         start = along_principal_axes(Scene(body.body, body.start)).initial
         worlds.append(World(whole, system, *moving(whole, body.body, start, shape, method)))
     return Touching(system, tuple(worlds), ground, acting(scene.pushes, method.timestep))
+
+
+def on_plane(scene: AnyScene, count: int) -> list[Law]:
+    """Return the laws of the plane with each of `count` bodies."""
+    between = laws_of_pairs(scene, count)
+    return [between[WORLD, index] for index in range(count)]
+
+
+def patch_radius(law: Law, method: Method) -> float:
+    """Return the radius (m) of the patch of a law with torsional friction: its moment is that of friction at this radius.
+
+    Raises `SceneUnsupported` where PhysX would ignore it.
+    """
+    if method.integrator == "PGS":
+        raise SceneUnsupported("torsional friction, which PhysX's solver PGS ignores")
+    if not law.friction:
+        raise SceneUnsupported("torsional friction without friction, by which PhysX multiplies it")
+    return law.torsional_friction / law.friction
 
 
 def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:
@@ -119,7 +141,14 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     """Return which friction and restitution PhysX has in the place of those of a scene, as `ContactTerms` does."""
     if not touches(scene):
         return ""
-    phrases = differences(scene, touching_bodies(scene), "mean")
+    bodies = touching_bodies(scene)
+    phrases = differences(scene, bodies, "mean")
+    resisting = [law for law in on_plane(scene, len(bodies)) if law.torsional_friction]
+    if method.integrator != "PGS" and all(law.friction for law in resisting):
+        for radius in sorted({patch_radius(law, method) for law in resisting}):
+            phrases.append(f"torsional friction of patches of {radius:.3g} m{', also between bodies' * (len(bodies) > 1)}")
+    if any(law.cone == "one" for law in resisting):
+        phrases.append("a bound of its own for friction and torsional friction")
     if any(law.restitution for law in laws(scene)):
         threshold = method.option("bounce_threshold") or physx.get_scene_config().bounce_threshold
         phrases.append(f"no restitution below {float(threshold):g} m/s")

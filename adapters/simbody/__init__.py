@@ -26,6 +26,9 @@ A brick touches the plane by OpenSim's `HuntCrossleyForce` on a small sphere at 
 default for the stiffness: the spheres sink in by a hundredth of the body's half-height under its weight, and the damping is
 the critical one. Friction is viscous below OpenSim's default transition speed of 0.01 m/s.
 
+Spheres and bricks that touch in any other way have the same force, one for each pair (module `touching`). CPodes is not offered
+for them.
+
 Links are bodies that weld joints connect to the first link. The coordinates are the position of the first link's origin. If the
 centre of mass is elsewhere, an integrator's error has the order of the integrator.
 

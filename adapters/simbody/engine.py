@@ -31,14 +31,15 @@ from bodycheck.adapters.contract import (
 from bodycheck.adapters.links import Link
 from bodycheck.adapters.mechanisms import in_body_axes
 from bodycheck.adapters.quiet import no_stderr
-from bodycheck.adapters.simbody import INSTALLATION, driving, mechanisms, sensing
+from bodycheck.adapters.simbody import INSTALLATION, driving, mechanisms, sensing, touching
 from bodycheck.adapters.simbody.attitude import poses
-from bodycheck.adapters.simbody.libraries import function
+from bodycheck.adapters.simbody.libraries import ACCURACY_IN_USE, COUNTS, REALIZATIONS, STEPS_ATTEMPTED, STEPS_TAKEN, told
 from bodycheck.adapters.simbody.models import DRAG, described, started
 from bodycheck.adapters.stepping import Controlled, Normalised, NormalisedControl, Taking, TakingControl
 from bodycheck.adapters.touching import corners
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -73,24 +74,13 @@ RECORDED = 6000
 #: The beginning of the names of integrators in `Manager`.
 PREFIX = "IntegratorMethod_"
 
-#: The library of Simbody's integrators, and C++ functions of the class `Integrator`, by their names in it: the accuracy in use,
-#: and the numbers of steps taken, of steps attempted, and of realizations, which are evaluations of the accelerations.
-LIBRARY = "libSimTKmath"
-ACCURACY_IN_USE = "_ZNK5SimTK10Integrator16getAccuracyInUseEv"
-STEPS_TAKEN = "_ZNK5SimTK10Integrator16getNumStepsTakenEv"
-STEPS_ATTEMPTED = "_ZNK5SimTK10Integrator20getNumStepsAttemptedEv"
-REALIZATIONS = "_ZNK5SimTK10Integrator18getNumRealizationsEv"
-
-#: Whether Simbody's library has all of these functions.
-COUNTS = all(function(LIBRARY, name, ()) for name in (ACCURACY_IN_USE, STEPS_TAKEN, STEPS_ATTEMPTED, REALIZATIONS))
-
 
 def integrators() -> tuple[Integrator, ...]:
     """Return the integrators of the installed release."""
     here = [name.removeprefix(PREFIX) for name in dir(opensim.Manager) if name.startswith(PREFIX)]
     names = sorted(here, key=lambda name: [*CLAIMS, name].index(name))
     options = {"settings": choice("engine")} | ({"accuracy": ACCURACY} if COUNTS else {})
-    flight = KINDS - {"plane"}
+    flight = KINDS - {"plane", "contact"}
     return tuple(
         Integrator(name, *CLAIMS.get(name, (None, None)), kinds=flight if name == CPODES else KINDS, options=options)
         for name in names
@@ -108,20 +98,13 @@ def defaults() -> dict[str, str]:
     return {"integrator": names[manager.getIntegratorMethod()], **tolerance}
 
 
-def told(manager: Any, name: str, result: Any = ctypes.c_int) -> Any:
-    """Return what a C++ function of the integrator of a manager returns, of a `ctypes` type."""
-    integrator_function = function(LIBRARY, name, (ctypes.c_void_p,), result)
-    assert integrator_function is not None
-    return integrator_function(int(manager.getIntegrator()))
-
-
 def roles(defaults: Mapping[str, str]) -> dict[Role, dict[Kind, Usage]]:
     """Return the method of a manager whose integrator is not changed, from the defaults. OpenSim recommends no integrator."""
     if "tolerance" not in defaults:
         return {}
     method = f"{defaults['integrator']}:accuracy={defaults['tolerance']},settings=engine"
     page = "https://simtk.org/api_docs/opensim/api_docs/classOpenSim_1_1Manager.html"
-    return {"default": dict.fromkeys(KINDS - {"contact"}, Usage(method, None, page))}
+    return {"default": dict.fromkeys(KINDS, Usage(method, None, page))}
 
 
 engine = Engine(
@@ -129,7 +112,10 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=metadata.version(INSTALLATION.distribution),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction"}) | DRAG | mechanisms.MODELS,
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction"})
+    | DRAG
+    | mechanisms.MODELS
+    | touching.MODELS,
     variants=dict.fromkeys(
         ("flight", "mechanism"), tuple(f"{integrator.name}:settings=engine" for integrator in integrators())
     ),
@@ -138,7 +124,7 @@ engine = Engine(
     reads=("step",),
 )
 
-lacking = sensing.lacking
+lacking, contact_terms = sensing.lacking, touching.contact_terms
 
 #: The friction law of contacts.
 contact_law = corners
@@ -271,6 +257,9 @@ class Simbody:
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if touches(scene):
+        steps = together(touching.built(scene, method), method)
+        return steps if method.accuracy is None else steps.controlled()
     if isinstance(scene, Mechanism):
         return jointed(scene, method)
     return simulation(scene, method)
@@ -322,6 +311,25 @@ def in_one(steps: Simbody) -> Controlled:
     return replace(steps.controlled(), between=None)
 
 
+def together(touched: touching.Touching, method: Method) -> Simbody:
+    """Return the steps of bodies that touch."""
+    state = touching.started(touched, method.option("settings") != "engine")
+    seen = mechanisms.seer_of(touched.model, touched.bodies, [(0.0, 0.0, 0.0)] * len(touched.bodies))
+    return Simbody(managed(touched.model, state, method), touched.model, method, seen, in_body_axes)
+
+
+def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:
+    """Return the normal forces between pairs that touch after each of n steps, as `InterfaceLoads.interface_loads` does."""
+    touched = touching.built(scene, method)
+    simulation = together(touched, method)
+    by_pair = {pair: np.zeros(steps) for pair in touched.forces}
+    for step in range(steps):
+        simulation.at((step + 1) * method.timestep)
+        for pair, load in touched.loads(simulation.manager.getState()).items():
+            by_pair[pair][step] = load
+    return {pair: loads for pair, loads in by_pair.items() if loads.any()}
+
+
 def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:
     """Return the simulation of a scene with its body, or with links in place of it. Raises `SceneUnsupported`."""
     steps = alone(scene, described(scene, links), method)
@@ -342,6 +350,11 @@ def alone(scene: Scene, model: Any, method: Method) -> Simbody:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
+    if touches(scene):
+        touched = touching.built(scene, method)
+        reading = sensing.reader(touched.model, sensing.on_touching(touched, sensors))
+        steps = together(touched, method)
+        return SensingSimulation(steps if method.accuracy is None else in_one(steps), lambda: reading(steps.manager.getState()))
     if isinstance(scene, Mechanism):
         built = mechanisms.built(scene, method)
         reading = sensing.reader(built.model, sensing.on_joints(scene, built, sensors))

@@ -6,6 +6,14 @@ from typing import Any
 
 import opensim
 
+#: The library of Simbody's integrators, and C++ functions of the class `Integrator`, by their names in it: the accuracy in use,
+#: and the numbers of steps taken, of steps attempted, and of realizations, which are evaluations of the accelerations.
+LIBRARY = "libSimTKmath"
+ACCURACY_IN_USE = "_ZNK5SimTK10Integrator16getAccuracyInUseEv"
+STEPS_TAKEN = "_ZNK5SimTK10Integrator16getNumStepsTakenEv"
+STEPS_ATTEMPTED = "_ZNK5SimTK10Integrator20getNumStepsAttemptedEv"
+REALIZATIONS = "_ZNK5SimTK10Integrator18getNumRealizationsEv"
+
 
 def function(library: str, name: str, arguments: tuple[Any, ...], result: Any = None) -> Any | None:
     """Return a C++ function from a library of the package, which is already loaded; None if the library lacks the function.
@@ -24,3 +32,14 @@ def function(library: str, name: str, arguments: tuple[Any, ...], result: Any = 
         return None
     library_function.argtypes, library_function.restype = arguments, result
     return library_function
+
+
+#: Whether Simbody's library has all of these functions.
+COUNTS = all(function(LIBRARY, name, ()) for name in (ACCURACY_IN_USE, STEPS_TAKEN, STEPS_ATTEMPTED, REALIZATIONS))
+
+
+def told(manager: Any, name: str, result: Any = ctypes.c_int) -> Any:
+    """Return what a C++ function of the integrator of a manager returns, of a `ctypes` type."""
+    integrator_function = function(LIBRARY, name, (ctypes.c_void_p,), result)
+    assert integrator_function is not None
+    return integrator_function(int(manager.getIntegrator()))

@@ -24,6 +24,7 @@ from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.joint_types import JointType
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, Mimic
+from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 
 #: The features of mechanisms that OpenSim models; see `Engine.models`.
@@ -184,20 +185,25 @@ def started(mechanism: Mechanism, built_mechanism: Built, quaternions: bool) -> 
             reason = reason.replace(f"/bodyset/body_{index}", body.name)
         raise SceneUnsupported(f"OpenSim refuses the mechanism: {reason}") from error
     starting = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
-    first = frames(mechanism)
-    places = [coordinates_of(state, joint) for joint in built_mechanism.joints]
-    if quaternions:
-        use_quaternions(built_mechanism.model, state)
-    q, u = state.updQ(), state.updU()
+    first, values = frames(mechanism), []
     for index, joint in enumerate(mechanism.joint_of):
         if joint is None:
             frame = first[index]
             position = np.array([*frame.position, *frame.quaternion])
             velocity = np.array([*frame.velocity, *frame.angular_velocity])
-            positions, velocities = in_simbody("free", position, velocity, quaternions)
+            values.append(in_simbody("free", position, velocity, quaternions))
         else:
-            positions, velocities = in_simbody(joint.type, *starting[index], quaternions)
-        addresses = places[index]
+            values.append(in_simbody(joint.type, *starting[index], quaternions))
+    return placed(built_mechanism.model, state, built_mechanism.joints, values, quaternions)
+
+
+def placed(model: Any, state: Any, joints: Sequence[Any], values: Sequence[tuple[Array, Array]], quaternions: bool) -> Any:
+    """Return a state of a model in which joints have values: Simbody's coordinates and velocities of each."""
+    places = [coordinates_of(state, joint) for joint in joints]
+    if quaternions:
+        use_quaternions(model, state)
+    q, u = state.updQ(), state.updU()
+    for addresses, (positions, velocities) in zip(places, values, strict=True):
         if addresses is not None:
             at, by = addresses
             for number, value in enumerate(positions):
@@ -241,12 +247,18 @@ def in_simbody(type: JointType, position: Array, velocity: Array, quaternions: b
 
 def seer(mechanism: Mechanism, built_mechanism: Built) -> Callable[[Any], Array]:
     """Return a function that returns the states (13 k,) of k bodies from a state, with vectors along the axes of the world."""
-    centres = [opensim.Vec3(*exact.nearest_inertia(body).centre) for body in mechanism.bodies]
+    centres = [exact.nearest_inertia(body).centre for body in mechanism.bodies]
+    return seer_of(built_mechanism.model, built_mechanism.bodies, centres)
+
+
+def seer_of(model: Any, bodies: Sequence[Any], centres: Sequence[Vector]) -> Callable[[Any], Array]:
+    """Return the function of `seer`, from bodies of a model and their centres of mass."""
+    stations = [opensim.Vec3(*centre) for centre in centres]
 
     def seen(state: Any) -> Array:
-        built_mechanism.model.realizeVelocity(state)
+        model.realizeVelocity(state)
         parts = []
-        for body, centre in zip(built_mechanism.bodies, centres, strict=True):
+        for body, centre in zip(bodies, stations, strict=True):
             turn = body.getTransformInGround(state).R().convertRotationToQuaternion()
             parts += [
                 body.findStationLocationInGround(state, centre).to_numpy(),

@@ -19,8 +19,10 @@ import opensim
 
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.simbody.mechanisms import Built
+from bodycheck.adapters.simbody.touching import Touching
 from bodycheck.reference.mechanisms.exact import nearest_turn
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
 
@@ -30,7 +32,7 @@ Reading = Callable[[Any], Array]
 
 def lacking(scene: AnyScene, sensor: Sensor, method: Method) -> str | None:
     """Return why OpenSim does not read a sensor, as `Sensing.lacking` does."""
-    if sensor.type == "contact_force" and (isinstance(scene, Mechanism) or scene.plane is None):
+    if sensor.type == "contact_force" and not touches(scene) and (isinstance(scene, Mechanism) or scene.plane is None):
         return "has no contacts in the model of this scene"
     if sensor.type == "joint_effort" and isinstance(scene, Mechanism) and sensor.joint is not None:
         joint = scene.joints[sensor.joint]
@@ -46,6 +48,21 @@ def on_body(model: Any, sensors: Sequence[Sensor]) -> list[Reading]:
         contact(opensim.HuntCrossleyForce.safeDownCast(model.getForceSet().get("contact")))
         if sensor.type == "contact_force"
         else mounted(model, body, number, sensor)
+        for number, sensor in enumerate(sensors)
+    ]
+
+
+def on_touching(touched: Touching, sensors: Sequence[Sensor]) -> list[Reading]:
+    """Add sensors to the model of bodies that touch, and return the functions that read them."""
+
+    def contact_force(body: int) -> Reading:
+        signs = [(1 if pair[1] == body else -1, pair) for pair in touched.forces if body in pair]
+        return lambda state: sum((sign * touched.force(state, pair) for sign, pair in signs), start=np.zeros(3))
+
+    return [
+        contact_force(sensor.body)
+        if sensor.type == "contact_force"
+        else mounted(touched.model, touched.bodies[sensor.body], number, sensor)
         for number, sensor in enumerate(sensors)
     ]
 

@@ -17,7 +17,9 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
 
-MODELS = frozenset({"gravity", "translation", "rotation", "contact", "friction", "mechanisms", "revolute joints"})
+MODELS = frozenset(
+    {"gravity", "translation", "rotation", "contact", "friction", "mechanisms", "revolute joints", "contacts", "restitution"}
+)
 
 
 @dataclass(frozen=True)
@@ -162,11 +164,10 @@ class PlantedContacts:
 
     def prepare(self, scenes: Sequence[AnyScene], method: Method) -> Stepped:
         (scene,) = scenes
-        if isinstance(scene, Mechanism):
+        if not isinstance(scene, Mechanism):
+            return sliding(scene, method.timestep, self.own)
+        if scene.plane is None:
             return hanging(scene, method.timestep, self.own)
-        return sliding(scene, method.timestep, self.own)
-
-    def prepare_boxes(self, scene: Mechanism, method: Method) -> Stepped:
         boxes = touching_bodies(scene)
         if scene.gravity:
             return lying(boxes, scene, method.timestep, self.own)

@@ -21,6 +21,9 @@ BRICK_AT_START = (-2.5159379844961242, 0.7909406456091635, 0.0323383084577115)
 #: The mass (kg) and the length (m) of the pendulum, and gravity (m/s^2).
 MASS, LENGTH, GRAVITY = 1.3, 0.7, 9.81
 
+#: The effort (N m) that holds the arm of the shipped scene at rest, against 2 kg at 0.25 m.
+HOLDING = -2 * GRAVITY * 0.25
+
 #: The shipped scenes with sensors in which no controller drives a joint and nothing touches, but for the arm at rest.
 UNDRIVEN = (
     "brick",

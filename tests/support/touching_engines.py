@@ -96,3 +96,19 @@ def differs_along_other_axes(adapter: Adapter, spelling: str, timestep: float) -
     ]
     one, other = (states(adapter, scene, spelling, timestep, [1] * round(0.3 / timestep)) for scene in bricks)
     return float(np.abs(one - other).max())
+
+
+def rolling_deceleration(adapter: Adapter, spelling: str, timestep: float, coefficient: float, speed: float = 1.0) -> float:
+    """The deceleration from 0.3 s to 0.5 s of the ball that rolls, over that of its rolling friction, mu_r g / (1.4 r)."""
+    start = State((0.0, 0.0, RADIUS), velocity=(speed, 0.0, 0.0), angular_velocity=(0.0, speed / RADIUS, 0.0))
+    scene = replace(ball(Plane(0.5, rolling_friction=coefficient)), initial=start)
+    first, second = states(adapter, scene, spelling, timestep, [round(0.3 / timestep), round(0.2 / timestep)])[:, 0, 7]
+    return float(first - second) / 0.2 / (coefficient * GRAVITY / (1.4 * RADIUS))
+
+
+def spin_deceleration(adapter: Adapter, spelling: str, timestep: float, coefficient: float) -> float:
+    """The deceleration from 0.3 s to 0.5 s of the ball that spins at 10 rad/s, over that of mu_t m g."""
+    start = State((0.0, 0.0, RADIUS), angular_velocity=(0.0, 0.0, 10.0))
+    scene = replace(ball(Plane(0.5, torsional_friction=coefficient)), initial=start)
+    first, second = states(adapter, scene, spelling, timestep, [round(0.3 / timestep), round(0.2 / timestep)])[:, 0, 12]
+    return float(first - second) / 0.2 / (coefficient * GRAVITY * BALL.mass / BALL.moments[2])

@@ -7,7 +7,6 @@ import numpy as np
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Adapter, EngineDiverged, Method, Normalising, SceneUnsupported, Simulation
 from bodycheck.adapters.links import Link, Links
-from bodycheck.adapters.touching import Boxes
 from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
@@ -125,8 +124,6 @@ class Pilot:
                 raise SceneUnsupported("the adapter cannot give the engine a body as links")
             return adapter.prepare_links(flight.links, scene, method)
         if isinstance(scene, Mechanism) and scene.plane is not None:
-            if isinstance(adapter, Boxes):
-                return adapter.prepare_boxes(scene, method)
             if "contacts" not in adapter.engine.models:
                 raise SceneUnsupported("the adapter cannot give the engine free boxes that touch")
             if (lacking := offers.not_offered(adapter.engine, scene, method)) is not None:

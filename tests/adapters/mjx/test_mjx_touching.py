@@ -10,6 +10,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mjx import engine as adapter
 from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
 from bodycheck.reference.scene import Plane, Push, Scene, State
+from tests.support import touching_engines as measured
 from tests.support.touching import CUBE, DOWNHILL, GRAVITY, INCLINE, MASS, OF_BALL, RADIUS, downhill, on, several
 
 MUJOCO = registry.load("mujoco")
@@ -42,3 +43,14 @@ def test_the_load_under_a_push_is_the_weight_and_the_push(spelling: str) -> None
     (load,) = adapter.interface_loads(pushed, Method.parse(spelling, 0.002), 500).values()
     # The loads of soft contacts swing by less than a hundredth in the last tenths of a second.
     assert load[[249, 499]] == pytest.approx([weight, 2 * weight], rel=1e-2)
+
+
+def test_rolling_friction_has_the_dimensions_and_the_coefficient_of_mujoco() -> None:
+    plain, steep = Method.parse("Euler", 0.001), "Euler:cone=elliptic,impratio=100"
+    # Contacts of six dimensions have nearly the whole coefficient with the elliptic cone and a large impratio.
+    assert measured.rolling_deceleration(adapter, steep, 0.001, 2e-3) == pytest.approx(1, abs=0.01)
+    given = adapter.contact_terms(measured.ball(Plane(0.5, rolling_friction=2e-3)), plain)
+    assert given == (
+        "soft friction in a pyramid of four sides; a pyramid of friction, torsional and rolling friction; "
+        "torsional friction 1e-05 m"
+    )

@@ -12,6 +12,7 @@ from bodycheck.adapters.mujoco_warp import engine as adapter
 from bodycheck.adapters.mujoco_warp import touching
 from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
 from bodycheck.reference.scene import Plane, Push, Scene, State
+from tests.support import touching_engines as measured
 from tests.support.touching import CUBE, DOWNHILL, GRAVITY, INCLINE, MASS, OF_BALL, OF_CUBE, RADIUS, downhill, on, several
 
 MUJOCO = registry.load("mujoco")
@@ -57,3 +58,14 @@ def test_a_run_ends_where_contacts_are_dropped(monkeypatch: pytest.MonkeyPatch, 
     with pytest.raises(EngineDiverged, match="dropped contacts or constraints: NARROWPHASE"):
         adapter.prepare([falling], EULER).advance(np.array([100]))
     capfd.readouterr()  # MuJoCo Warp prints its warning
+
+
+def test_rolling_friction_has_the_dimensions_and_the_coefficient_of_mujoco() -> None:
+    plain, steep = Method.parse("Euler", 0.001), "Euler:cone=elliptic,impratio=100"
+    # Contacts of six dimensions have nearly the whole coefficient with the elliptic cone and a large impratio.
+    assert measured.rolling_deceleration(adapter, steep, 0.001, 2e-3) == pytest.approx(1, abs=0.01)
+    given = adapter.contact_terms(measured.ball(Plane(0.5, rolling_friction=2e-3)), plain)
+    assert given == (
+        "soft friction in a pyramid of four sides; a pyramid of friction, torsional and rolling friction; "
+        "torsional friction 1e-05 m"
+    )

@@ -9,9 +9,11 @@ import pytest
 from bodycheck import load
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import ContactTerms, Method, SceneUnsupported
+from bodycheck.reference.mechanisms.mechanism import PairContact
 from bodycheck.reference.scene import Ellipsoid, Plane
 from tests.support import touching_engines as measured
 from tests.support.sensor_readings import readings
+from tests.support.touching import BALL, RADIUS, several
 
 PYBULLET = registry.load("pybullet")
 SOLVERS = ("maximal", "multibody")
@@ -81,3 +83,33 @@ def test_a_sensor_reads_the_forces_of_contacts_on_a_ramp() -> None:
     seen = readings(PYBULLET, "sensor-block-on-ramp", "multibody", 0.002, 100)
     size = 9.81 * math.cos(0.5) * math.hypot(1, 0.3)
     assert np.linalg.norm(seen.given["contact"][-1]) == pytest.approx(size, rel=1e-3)
+
+
+@pytest.mark.parametrize("method", SOLVERS)
+@pytest.mark.parametrize("coefficient", [2e-3, 1e-4])
+def test_rolling_friction_decelerates_a_ball_by_its_coefficient(method: str, coefficient: float) -> None:
+    # The iterations end at a residual, which is the larger part of a smaller friction.
+    assert measured.rolling_deceleration(PYBULLET, method, 2e-3, coefficient) == pytest.approx(1, abs=1e-8)
+
+
+def test_torsional_friction_brakes_a_spin_by_its_coefficient() -> None:
+    assert measured.spin_deceleration(PYBULLET, "multibody", 2e-3, 3e-3) == pytest.approx(1, abs=1e-9)
+    with pytest.raises(SceneUnsupported, match="maximal coordinates ignore it"):
+        measured.spin_deceleration(PYBULLET, "maximal", 2e-3, 3e-3)
+
+
+def test_the_bounds_of_rolling_friction_are_named() -> None:
+    assert isinstance(PYBULLET, ContactTerms)
+    one = replace(Plane(0.5, rolling_friction=2e-3), cone="one")
+    bounds = "a bound of its own for friction, torsional friction, and rolling friction about each of two axes"
+    for plane in (Plane(0.5, rolling_friction=2e-3), one):
+        assert PYBULLET.contact_terms(measured.ball(plane), Method.parse("multibody", 1e-3)) == bounds
+    two = several(
+        [(BALL, (x, 0.0, RADIUS)) for x in (0.0, 1.0)],
+        Plane(0.5, rolling_friction=2e-3),
+        contacts=(PairContact((0, 1), 0.5, 0.0),),
+    )
+    given = PYBULLET.contact_terms(two, Method.parse("multibody", 1e-3))
+    assert given == f"{bounds}; rolling friction 0.004 instead of 0 of body-0 and body-1"
+    with pytest.raises(SceneUnsupported, match="without friction"):
+        PYBULLET.prepare([measured.ball(Plane(0.0, rolling_friction=2e-3))], Method.parse("multibody", 1e-3))

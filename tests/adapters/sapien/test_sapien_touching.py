@@ -76,3 +76,13 @@ def test_a_sensor_reads_the_normal_force_of_contacts_on_a_ramp() -> None:
     seen = readings(SAPIEN, "sensor-block-on-ramp", "TGS", 0.002, 100)
     normal = 9.81 * math.cos(0.5) * np.array([math.sin(0.5), 0.0, math.cos(0.5)])
     assert seen.given["contact"][-1] == pytest.approx(normal, abs=0.02 * 9.81)
+
+
+def test_a_patch_brakes_a_spin_by_the_coefficient_of_torsional_friction() -> None:
+    # Single precision rounds a spin of 10 rad/s by 1e-6 in each of 100 steps, of a change of 1.5 rad/s.
+    assert measured.spin_deceleration(SAPIEN, "TGS", 2e-3, 3e-3) == pytest.approx(1, abs=1e-3)
+    with pytest.raises(SceneUnsupported, match="PGS ignores"):
+        measured.spin_deceleration(SAPIEN, "PGS", 2e-3, 3e-3)
+    assert isinstance(SAPIEN, ContactTerms)
+    given = SAPIEN.contact_terms(load("ball-spins-down").scene, Method.parse("TGS", 1e-3))
+    assert given == "torsional friction of patches of 0.006 m"

@@ -111,6 +111,7 @@ def test_every_integrator_controls_its_error_and_counts_its_work(integrator: str
         simulation = SIMBODY.prepare([TUMBLE], Method.parse(f"{integrator}:accuracy={accuracy}", 1.0))
         assert isinstance(simulation, ErrorControlled)
         errors.append(geodesic_angle(simulation.reach(np.array([1.0]))[0, 0, 0, 3:7], exact))
+        simulation.finish(1.0)  # the states at samples are those of other managers, whose work does not count
         work.append(simulation.work)
     coarse, fine = work
     assert errors[1] < errors[0] < 1
@@ -125,5 +126,5 @@ def test_every_integrator_controls_its_error_and_counts_its_work(integrator: str
 def test_the_largest_step_limits_error_control() -> None:
     simulation = SIMBODY.prepare([TUMBLE], Method.parse("RungeKuttaMerson:accuracy=0.1", 0.01))
     assert isinstance(simulation, ErrorControlled)
-    simulation.reach(np.array([1.0]))
+    simulation.finish(1.0)
     assert 100 <= simulation.work.steps <= 103  # it begins with shorter steps
