@@ -1,0 +1,348 @@
+"""Refine the time step of one method of an engine on a scene until its errors can be estimated, and search the largest step.
+
+The runs are made by a function that the caller gives, so that this module knows neither engines nor processes.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from bodycheck.adapters.contract import Method
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.trajectory import Array
+from bodycheck.running.refining import Ended, Motion
+from bodycheck.studies.estimate import refinement
+from bodycheck.studies.estimate.distances import OF_ONE_RUN, PLACES
+from bodycheck.studies.estimate.levels import Level, Levels, sampled_steps
+from bodycheck.studies.estimate.refinement import Interval, Reference
+
+#: The error (rad or m) that is allowed if none is named, and from which on the difference that one rounding makes is chaos.
+ERROR = 1e-3
+
+#: The largest number of coarser levels, and the fewest steps of the coarsest one.
+COARSER, FEWEST_STEPS = 6, 10
+
+#: The number of finer levels that every method gets, and the largest number of them.
+FINER, MOST_FINER = 3, 9
+
+#: The part of the own error to which that of the finest run must fall before the refinement ends, and the ratio of that error to
+#: the allowed one up to which further levels are run, so that one of them keeps the allowed error.
+RESOLVED, NEAR_ALLOWED = 0.03, 6.0
+
+#: The ratio of the smallest step that breaks the error to the largest that keeps it at which a search ends, the largest number
+#: of steps that a search tries, and the ratio of the error of a step to that of the finer run with which it is compared.
+NEAR, MOST_TRIES, PARTNER = 1.04, 6, 30.0
+
+
+class NoTime(Exception):
+    """There is no time left for a run; the text says what was measured."""
+
+
+#: A function that makes a run: with a method, sampled at instants (n,), s, nudged or not. Raises `NoTime`.
+Run = Callable[[Method, Array, bool], Motion | Ended]
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """The scene that is run.
+
+    Attributes
+    ----------
+    instants
+        The instants (n,), s, at which errors are compared.
+    scene
+        The scene of a case; None for a file.
+    error
+        The error that is allowed, in the unit of the quantities.
+    compared
+        The quantities that are compared with it.
+    factor
+        A function from the finest motion to the safety factor of its class.
+    held
+        The instants at which controls change (k,), s: all time steps must reach them.
+    """
+
+    instants: Array
+    scene: AnyScene | None
+    error: float
+    compared: tuple[str, ...]
+    factor: Callable[[Motion], float]
+    held: Array = field(default_factory=lambda: np.empty(0))
+
+
+@dataclass(frozen=True)
+class Assessed:
+    """The assessment of one quantity: the reference, the last instant (s) until which there is one, or the reason for none."""
+
+    known: Reference | None
+    horizon: float | None
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """The runs of one method.
+
+    Attributes
+    ----------
+    method
+        The method with the time step of the file (s).
+    levels
+        The runs that completed.
+    ended
+        The runs that did not, by their time steps (s).
+    pairs
+        For each step that the search tried: the run, the finer run with which it is compared, and its own error relative to
+        the reference's.
+    chaos
+        The first instant (s) at which one rounding makes a difference above the allowed error; None if never.
+    out_of_time
+        What was measured when the time was used up; empty if it was not.
+    factor
+        The safety factor.
+    stray
+        The runs that completed although one with a smaller time step did not, so that they cannot be compared.
+    """
+
+    method: Method
+    levels: Levels
+    ended: dict[float, Ended]
+    factor: float
+    chaos: float | None = None
+    out_of_time: str = ""
+    pairs: tuple[Levels, ...] = ()
+    stray: tuple[Level, ...] = ()
+
+    def apart(self, quantity: str, until: float, at_end: bool = False) -> dict[tuple[int, int], float]:
+        """Return the differences between all levels until an instant (s)."""
+        places = range(len(self.levels.levels))
+        return {
+            (one, other): self.levels.value(quantity, one, other, until, at_end)
+            for one in places
+            for other in places[one + 1 :]
+        }
+
+    def rounding(self, quantity: str, until: float) -> float:
+        """Return the effect of rounding on a quantity until an instant (s)."""
+        count = len(self.levels.levels)
+        steps = self.levels.levels[-1].motion.steps if count else 0
+        nudge = self.levels.nudge(quantity, until)
+        return refinement.effect_of_rounding(self.apart(quantity, until), count, nudge, steps)
+
+    def assessed(self, quantity: str, until: float, at_end: bool = False) -> Reference | str:
+        """Return the reference of a quantity until an instant (s), or why there is none."""
+        apart, count = self.apart(quantity, until, at_end), len(self.levels.levels)
+        return refinement.reference(apart, count, self.rounding(quantity, until), self.factor)
+
+    def interval(self, quantity: str, level: int, until: float, known: Reference, at_end: bool = False) -> Interval:
+        """Return the estimate of the error of a level until an instant (s)."""
+        rounding = self.rounding(quantity, until)
+        if quantity in OF_ONE_RUN:
+            return refinement.around(self.levels.value(quantity, level, level, until, at_end), 0.0, rounding, self.factor)
+        return refinement.interval(known, self.apart(quantity, until, at_end), level, rounding, self.factor)
+
+    def of_pair(self, pair: Levels, quantity: str, known: Reference, at_end: bool = False) -> tuple[Interval, Interval]:
+        """Return the estimates of the errors of a step that the search tried, and of its finer run, over the whole time.
+
+        The finer run is not compared with another one: its error is that of the reference, scaled by the order.
+        """
+        end = float(pair.instants[-1])
+        rounding = self.rounding(quantity, end)
+        if quantity in OF_ONE_RUN:
+            own = [pair.value(quantity, place, place, end, at_end) for place in range(2)]
+            coarse, fine = (refinement.around(value, 0.0, rounding, self.factor) for value in own)
+            return coarse, fine
+        ratio = pair.levels[1].timestep / self.levels.levels[known.level].timestep
+        error = known.error * ratio**known.order if known.error else 0.0
+        apart = pair.value(quantity, 0, 1, end, at_end)
+        return refinement.around(apart, error, rounding, self.factor), refinement.around(0.0, error, rounding, self.factor)
+
+
+def refined(subject: Subject, method: Method, run: Run) -> Refined | Ended:
+    """Return the runs of a method with the time step of the file and with coarser and finer ones.
+
+    Return how the run with the own step ended if the engine cannot make it.
+    """
+    duration = float(subject.instants[-1])
+    coarser = max(0, min(COARSER, math.floor(math.log2(duration / FEWEST_STEPS / method.timestep) + 1e-9)))
+    done: dict[int, Level] = {}
+    ended: dict[float, Ended] = {}
+    out_of_time = ""
+
+    def go(exponent: int) -> None:
+        timestep = method.timestep * 2.0**exponent
+        if exponent > 0 and not _reaches(subject.held, timestep):
+            return
+        steps = sampled_steps(subject.instants, timestep, coarser - exponent)
+        outcome = run(method.at(timestep), steps * timestep, False)
+        if isinstance(outcome, Motion):
+            done[exponent] = Level(timestep, steps, outcome)
+        else:
+            ended[timestep] = outcome
+
+    known = Refined(method, Levels(subject.instants, subject.scene, ()), ended, 1.0)
+    try:
+        go(0)
+        if 0 not in done and next(iter(ended.values())).status not in ("diverged", "reset"):
+            return ended[method.timestep]
+        for exponent in range(-1, -FINER - 1, -1):
+            go(exponent)
+        for exponent in range(1, coarser + 1):
+            go(exponent)
+        known = _with_nudge(subject, _so_far(subject, known, done), run)
+        for exponent in range(-FINER - 1, -MOST_FINER - 1, -1):
+            if known.chaos is not None or _resolved(subject, known):
+                break
+            go(exponent)
+            known = _so_far(subject, known, done)
+    except NoTime as error:
+        out_of_time = str(error)
+    return replace(_so_far(subject, known, done), ended=ended, out_of_time=out_of_time)
+
+
+def _reaches(held: Array, timestep: float) -> bool:
+    """Return whether steps of a size (s) end at all instants (k,), s."""
+    return bool(np.all(np.abs(held / timestep - np.rint(held / timestep)) < 1e-6))
+
+
+def _so_far(subject: Subject, known: Refined, done: dict[int, Level]) -> Refined:
+    """Return the runs so far: the completed levels from the finest on that follow one another."""
+    exponents = sorted(done)
+    consecutive = [exponent for place, exponent in enumerate(exponents) if exponent == exponents[0] + place]
+    levels = tuple(done[exponent] for exponent in reversed(consecutive))
+    factor = subject.factor(levels[-1].motion) if levels else 1.0
+    stray = tuple(done[exponent] for exponent in reversed(exponents) if exponent not in consecutive)
+    runs = Levels(subject.instants, subject.scene, levels, known.levels.nudged)
+    return replace(known, levels=runs, factor=factor, stray=stray)
+
+
+def _resolved(subject: Subject, known: Refined) -> bool:
+    """Return whether the error of each compared quantity is known, and small beside that of the own step or the allowed one."""
+    end, count = float(subject.instants[-1]), len(known.levels.levels)
+    own = next((place for place, one in enumerate(known.levels.levels) if one.timestep == known.method.timestep), None)
+    for quantity in (name for name in known.levels.quantities if name in subject.compared):
+        seen = known.assessed(quantity, end)
+        if isinstance(seen, str) or own is None:
+            return False
+        finest = known.interval(quantity, count - 1, end, seen)
+        if finest.low > 0 and finest.estimate > RESOLVED * known.interval(quantity, own, end, seen).estimate:
+            return False
+        if subject.error < finest.high <= NEAR_ALLOWED * subject.error:
+            return False
+    return True
+
+
+def _with_nudge(subject: Subject, known: Refined, run: Run) -> Refined:
+    """Return the runs with the instant from which on one rounding makes a difference above the allowed error.
+
+    Raises `NoTime`.
+    """
+    if not known.levels.levels:
+        return known
+    finest = known.levels.levels[-1]
+    nudged = run(known.method.at(finest.timestep), finest.steps * finest.timestep, True)
+    if isinstance(nudged, Ended):
+        return known
+    levels = replace(known.levels, nudged=(finest, nudged))
+    places = tuple(name for name in subject.compared if name in PLACES) or PLACES
+    return replace(known, levels=levels, chaos=levels.divergence(places, subject.error if subject.compared[0] in PLACES else ERROR))
+
+
+def searched(subject: Subject, known: Refined, run: Run) -> Refined:
+    """Return the runs with those of a search for the largest time step that keeps the error.
+
+    Every step that is tried divides the duration, and is compared with a run whose step is smaller by a power of two.
+    """
+    quantities = [name for name in known.levels.quantities if name in subject.compared]
+    end = float(subject.instants[-1])
+    seen = {name: known.assessed(name, end) for name in quantities}
+    if known.chaos is not None or len(subject.held) or not quantities or any(isinstance(one, str) for one in seen.values()):
+        return known
+    references = {name: one for name, one in seen.items() if isinstance(one, Reference)}
+    highs = [
+        (one.timestep, max(known.interval(name, place, end, each).high for name, each in references.items()))
+        for place, one in enumerate(known.levels.levels)
+    ]
+    bracket = _bracket(highs, subject.error)
+    pairs: list[Levels] = []
+    try:
+        for _ in range(MOST_TRIES):
+            if bracket is None or bracket[1][0] / bracket[0][0] <= NEAR:
+                break
+            steps = _between(bracket, subject.error, end)
+            if not bracket[0][0] * (1 + 1e-9) < end / steps < bracket[1][0] * (1 - 1e-9):
+                break
+            pair = _pair(subject, known, end / steps, references, run)
+            high = math.inf
+            if pair is not None:
+                pairs.append(pair)
+                high = max(known.of_pair(pair, name, each)[0].high for name, each in references.items())
+            bracket = ((end / steps, high), bracket[1]) if high <= subject.error else (bracket[0], (end / steps, high))
+    except NoTime:
+        pass
+    return replace(known, pairs=tuple(pairs))
+
+
+#: A time step (s) and the upper end of its error.
+_Tried = tuple[float, float]
+
+
+def _bracket(highs: Sequence[_Tried], error: float) -> tuple[_Tried, _Tried] | None:
+    """Return the largest step that keeps an error with all smaller ones, and the next larger one; None if there is no such."""
+    kept: _Tried | None = None
+    for step, high in reversed(highs):
+        if high > error:
+            return None if kept is None else (kept, (step, high))
+        kept = step, high
+    return None
+
+
+def _between(bracket: tuple[_Tried, _Tried], error: float, duration: float) -> int:
+    """Return the number of steps of the run that a search tries next: where the error is expected, or in the middle."""
+    (small, below), (large, above) = bracket
+    middle = math.sqrt(small * large)
+    if math.isfinite(above) and 0 < below < above:
+        share = math.log(error / below) / math.log(above / below)
+        middle = small * (large / small) ** min(0.95, max(0.05, share))
+    return max(1, math.ceil(duration / middle))
+
+
+def _pair(
+    subject: Subject, known: Refined, timestep: float, references: dict[str, Reference], run: Run
+) -> Levels | None:
+    """Return a run with a time step and a finer one; None if one of them does not complete. Raises `NoTime`."""
+    orders = [each.order for each in references.values() if each.error] or [1.0]
+    halvings = max(2, min(5, math.ceil(math.log2(PARTNER) / max(refinement.LEAST_ORDER, min(orders)))))
+    levels = []
+    for coarser, step in ((0, timestep), (1, timestep / 2**halvings)):
+        steps = sampled_steps(subject.instants, step, coarser, 2**halvings)
+        outcome = run(known.method.at(step), steps * step, False)
+        if isinstance(outcome, Ended):
+            return None
+        levels.append(Level(step, steps, outcome))
+    return Levels(subject.instants, subject.scene, tuple(levels))
+
+
+def assessments(subject: Subject, known: Refined) -> Iterator[tuple[str, Assessed]]:
+    """Yield the assessment of each quantity, the largest over time, with its horizon."""
+    end = float(subject.instants[-1])
+    last = end if known.chaos is None else known.chaos
+    for quantity in known.levels.quantities:
+        seen = known.assessed(quantity, end)
+        if isinstance(seen, Reference) and known.chaos is None:
+            yield quantity, Assessed(seen, end, "")
+            continue
+        reason = seen if isinstance(seen, str) else ""
+        until, before = _horizon(subject, known, quantity, last)
+        yield quantity, Assessed(before, until, reason)
+
+
+def _horizon(subject: Subject, known: Refined, quantity: str, last: float) -> tuple[float | None, Reference | None]:
+    """Return the last instant (s) before `last` until which there is a reference for a quantity, and this reference."""
+    for until in reversed(subject.instants[(subject.instants < last) & (subject.instants > 0)].tolist()):
+        seen = known.assessed(quantity, until)
+        if isinstance(seen, Reference):
+            return until, seen
+    return None, None

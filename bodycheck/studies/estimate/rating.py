@@ -1,0 +1,186 @@
+"""Make the rows of estimate.csv from the runs of one method: verdicts, intervals and reasons."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reports.quantities import number
+from bodycheck.studies.estimate import refinement
+from bodycheck.studies.estimate.distances import AT_END, OF_ONE_RUN
+from bodycheck.studies.estimate.levels import Levels
+from bodycheck.studies.estimate.method import Assessed, Refined, Subject, assessments
+from bodycheck.studies.estimate.refinement import Interval, Reference
+from bodycheck.studies.estimate.rows import CHAOTIC, ESTIMATE, NO_TIME, NOT_ASYMPTOTIC, UNSUPPORTED, EstimateRow
+
+#: The reason of rows whose error is due to rounding.
+ROUNDED = "the error is that of rounding"
+
+#: The reason of rows whose run is not compared with a finer one.
+SCALED = "the error follows from that of other time steps by the order"
+
+
+@dataclass(frozen=True)
+class Head:
+    """What all rows of a method have in common: the names of the file and of the engine, its version, and the method."""
+
+    file: str
+    engine: str
+    version: str
+    integrator: str
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """What a row says of its error."""
+
+    interval: Interval | None
+    order: float | None
+    verdict: str
+    reason: str
+    horizon: float | None
+
+
+def rows(head: Head, subject: Subject, known: Refined, wanted: Sequence[str]) -> list[EstimateRow]:
+    """Return the rows of a method: for each time step that was tried, the largest first, and each quantity.
+
+    wanted: the quantities; those of them that the scene does not have are left out.
+    """
+    cost = seconds_per_step(known)
+    judged: dict[float, list[tuple[str, _Judged]]] = {}
+    names = [name for name in wanted if name.removesuffix(AT_END) in known.levels.quantities]
+    for quantity, assessed in assessments(subject, known):
+        for name in (name for name in names if name.removesuffix(AT_END) == quantity):
+            for timestep, verdict in _of_quantity(subject, known, name, assessed):
+                judged.setdefault(timestep, []).append((name, verdict))
+    for timestep, why in known.ended.items():
+        judged[timestep] = [(name, _Judged(None, None, *_ended(why.status, why.reason), None)) for name in names or [""]]
+    for level in (*known.stray, *(() if known.levels.quantities else known.levels.levels)):
+        verdict, reason = _unmatched(known)
+        judged[level.timestep] = [(name, _Judged(None, None, verdict, reason, None)) for name in names or [""]]
+    return [
+        _row(head, timestep, name, one, cost)
+        for timestep in sorted(judged, reverse=True)
+        for name, one in sorted(judged[timestep], key=lambda entry: wanted.index(entry[0]) if entry[0] else 0)
+    ]
+
+
+def seconds_per_step(known: Refined) -> float | None:
+    """Return the computing time of a step (s): that of the fastest run of a method; None if no run was timed."""
+    runs = [*known.levels.levels, *known.stray, *(one for pair in known.pairs for one in pair.levels)]
+    times = [one.motion.wall_time / one.motion.steps for one in runs if one.motion.steps and one.motion.wall_time]
+    return min(times, default=None)
+
+
+def _row(head: Head, timestep: float, quantity: str, judged: _Judged, cost: float | None) -> EstimateRow:
+    interval = judged.interval
+    return EstimateRow(
+        *(head.file, head.engine, head.version, head.integrator, timestep, quantity),
+        *((None, None, None) if interval is None else (interval.estimate, interval.low, interval.high)),
+        order=judged.order if judged.order is not None and np.isfinite(judged.order) else None,
+        verdict=judged.verdict,
+        reason=judged.reason,
+        horizon=judged.horizon,
+        cost=None if cost is None else cost / timestep,
+    )
+
+
+def _ended(status: str, reason: str) -> tuple[str, str]:
+    """Return the verdict and the reason of a run that did not complete."""
+    return (status if status in ("diverged", "reset") else NO_TIME if status == "timeout" else UNSUPPORTED), reason
+
+
+def _unmatched(known: Refined) -> tuple[str, str]:
+    """Return the verdict and the reason of a run that cannot be compared with a finer one."""
+    if known.out_of_time:
+        return NO_TIME, known.out_of_time
+    return NOT_ASYMPTOTIC, "no run with half the time step completed, with which it could be compared"
+
+
+def _of_quantity(
+    subject: Subject, known: Refined, name: str, assessed: Assessed
+) -> Iterator[tuple[float, _Judged]]:
+    """Yield the time step and the judgement of each run for one quantity."""
+    quantity, at_end = name.removesuffix(AT_END), name.endswith(AT_END)
+    end = float(subject.instants[-1])
+    whole = assessed.known is not None and assessed.horizon == end and known.chaos is None
+    reference, horizon = assessed.known, assessed.horizon
+    if whole and at_end:
+        seen = known.assessed(quantity, end, at_end=True)
+        if isinstance(seen, str):
+            # The difference at one instant may pass through zero; the largest over time does not.
+            reference = assessed.known
+        else:
+            reference = seen
+    verdict, reason = _verdict(known, assessed, end, whole)
+    estimates = [
+        None if reference is None or horizon is None else known.interval(quantity, place, horizon, reference, at_end)
+        for place in range(len(known.levels.levels))
+    ]
+    for place, (level, interval) in enumerate(zip(known.levels.levels, estimates, strict=True)):
+        order = _order(reference, estimates, place)
+        shown = interval if whole or known.chaos is not None else None
+        rounded = whole and interval is not None and interval.low == 0
+        yield level.timestep, _Judged(shown, order, verdict, ROUNDED if rounded else reason, horizon)
+    for pair in known.pairs if whole and reference is not None else ():
+        yield from _of_pair(known, pair, quantity, reference, at_end, end)
+
+
+def _of_pair(
+    known: Refined, pair: Levels, quantity: str, reference: Reference, at_end: bool, end: float
+) -> Iterator[tuple[float, _Judged]]:
+    """Yield the judgements of a step that the search tried, and of the finer run with which it was compared."""
+    for level, interval in zip(pair.levels, known.of_pair(pair, quantity, reference, at_end), strict=True):
+        scaled = level is pair.levels[-1] and quantity not in OF_ONE_RUN
+        yield level.timestep, _Judged(interval, reference.order, ESTIMATE, SCALED if scaled else "", end)
+
+
+def _order(reference: Reference | None, estimates: Sequence[Interval | None], place: int) -> float | None:
+    """Return the order that the estimates of a level and of the next finer one show."""
+    here, finer = estimates[place], estimates[place + 1] if place + 1 < len(estimates) else None
+    if reference is None or here is None:
+        return None
+    if place >= reference.level or finer is None:
+        return reference.order
+    return refinement.order(here.estimate, finer.estimate)
+
+
+def _verdict(known: Refined, assessed: Assessed, end: float, whole: bool) -> tuple[str, str]:
+    """Return the verdict and the reason of the rows of a quantity."""
+    if known.chaos is not None:
+        return (
+            f"{CHAOTIC} {known.chaos:.6g}",
+            f"one rounding at the start makes a difference above the allowed error from {number(known.chaos)} s on"
+            + (f"; the numbers are until {number(assessed.horizon)} s" if assessed.horizon is not None else ""),
+        )
+    if whole:
+        return ESTIMATE, ""
+    if known.out_of_time:
+        return NO_TIME, f"{assessed.reason}; {known.out_of_time}" if assessed.reason else known.out_of_time
+    parts = [assessed.reason, *differs(known.levels)]
+    return NOT_ASYMPTOTIC, "; ".join(filter(None, parts))
+
+
+def differs(levels: Levels) -> Iterator[str]:
+    """Yield what differs between the two finest runs: contacts, limits, saturation, and the iterations and warnings."""
+    if len(levels.levels) < 2:
+        return
+    coarse, fine = levels.levels[-2:]
+    if coarse.motion.regimes and fine.motion.regimes:
+        steps = np.intersect1d(coarse.steps * 2, fine.steps)
+        here, there = np.searchsorted(coarse.steps * 2, steps), np.searchsorted(fine.steps, steps)
+        for one, other, step in zip(here, there, steps, strict=True):
+            before, after = coarse.motion.regimes[one], fine.motion.regimes[other]
+            if before != after:
+                name = min(before ^ after)
+                where, not_where = (coarse, fine) if name in before else (fine, coarse)
+                yield (
+                    f"{name} at {number(step * fine.timestep)} s with a step of {number(1e3 * where.timestep)} ms, "
+                    f"but not with {number(1e3 * not_where.timestep)} ms"
+                )
+                break
+    for name in sorted({*coarse.motion.notes, *fine.motion.notes}):
+        one, other = coarse.motion.notes.get(name, 0), fine.motion.notes.get(name, 0)
+        if one != other:
+            what = "iterations of the solver" if name == "iterations" else f"warnings {name}"
+            yield f"{what}: at most {one} and {other}"

@@ -1,0 +1,269 @@
+"""Run the scene of a file, or of a case, with several time steps in engines, and estimate the errors of the runs."""
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from bodycheck.adapters.contract import Engine, Method
+from bodycheck.adapters.file_motion import Controls, FileFacts, FileRun
+from bodycheck.adapters.offers import chosen
+from bodycheck.adapters.robot_reading import RobotFile
+from bodycheck.casefile.content import Case
+from bodycheck.errors import BadInput
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.trajectory import Array
+from bodycheck.results.header import Header
+from bodycheck.running import engines as engine_homes
+from bodycheck.running import refining
+from bodycheck.running.campaign import Advance
+from bodycheck.running.instants import default_timestep
+from bodycheck.running.refining import AskFile, Call, Ended, Motion, RunCase, RunFile
+from bodycheck.studies.estimate import factors, rating
+from bodycheck.studies.estimate.distances import AT_END, NAMED, PLACES, SHORT, USUAL
+from bodycheck.studies.estimate.method import NoTime, Refined, Subject, refined, searched
+from bodycheck.studies.estimate.rating import Head
+from bodycheck.studies.estimate.rows import NO_TIME, UNSUPPORTED, EstimateRow, Estimates
+from bodycheck.studies.timesteps import control_period
+from bodycheck.suggestion import did_you_mean
+
+#: The time (s) for all runs of a file in one engine, and the time limit of a question about a file.
+TIME_BUDGET_S, TIME_LIMIT_S = 45.0, 40.0
+
+#: The duration (s) of the runs of a file, and the number of instants at which errors are compared.
+DURATION_S, SAMPLES = 1.0, 101
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """The question of a study.
+
+    Attributes
+    ----------
+    name
+        The name of the file or of the case.
+    duration
+        The duration of the runs (s).
+    error
+        The error that is allowed.
+    quantities
+        The quantities of the rows.
+    compared
+        The quantities that are compared with the error.
+    integrators
+        The spellings of the methods; all that an engine offers if it is empty.
+    case
+        The case; None for a file.
+    file
+        The copy of the file that engines read; None for a case.
+    keyframe, controls
+        The keyframe in which the runs of a file start, and their controls.
+    samples
+        The number of instants.
+    """
+
+    name: str
+    duration: float
+    error: float
+    quantities: tuple[str, ...]
+    compared: tuple[str, ...]
+    integrators: tuple[str, ...] = ()
+    case: Case | None = None
+    file: RobotFile | None = None
+    keyframe: str = ""
+    controls: Controls | None = None
+    samples: int = SAMPLES
+
+    @property
+    def instants(self) -> Array:
+        """The instants (samples,), s, at which errors are compared."""
+        return np.linspace(0.0, self.duration, self.samples)
+
+
+def quantities_of(quantity: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the quantities of rows for the option `--quantity`, and those that are compared with the allowed error.
+
+    Raises `BadInput` for a quantity that is not estimated.
+    """
+    if not quantity:
+        return tuple(name + end for name in USUAL for end in ("", AT_END)), PLACES
+    name = SHORT.get(quantity, quantity)
+    if name.removesuffix(AT_END) not in NAMED:
+        allowed = [*SHORT, *NAMED, *(f"{one}{AT_END}" for one in NAMED)]
+        raise BadInput(
+            f"--quantity {quantity!r}: is not estimated; allowed: {', '.join(allowed)}{did_you_mean(quantity, allowed)}"
+        )
+    return (name,), (name.removesuffix(AT_END),)
+
+
+@dataclass(eq=False)
+class _Clock:
+    """The time that is left for the runs of one engine, and the processes that make them."""
+
+    workers: "pool.Workers[Call, refining.Answer]"
+    end: float
+    runs: int = 0
+    spent: float = 0.0
+    per_step: dict[str, float] = field(default_factory=dict)
+
+    def ask(self, call: Call, steps: int, method: Method | None = None) -> refining.Answer:
+        """Return the answer to a call. Raises `NoTime` if the time is too short for the run."""
+        left = self.end - time.monotonic()
+        needed = self.per_step.get("" if method is None else method.name, 0.0) * steps
+        if needed > left or left <= 0:
+            raise NoTime(self.told)
+        self.workers.limit = max(1.0, left)
+        start = time.monotonic()
+        answer = self.workers.call(call)
+        taken = time.monotonic() - start
+        self.runs, self.spent = self.runs + 1, self.spent + taken
+        if isinstance(answer, TimedOut):
+            raise NoTime(self.told)
+        if isinstance(answer, Crashed):
+            return Ended(answer.status, answer.reason)
+        if isinstance(answer, Motion) and method is not None:
+            self.per_step[method.name] = taken / max(1, answer.steps)
+        return answer
+
+    @property
+    def told(self) -> str:
+        """What was done in the time."""
+        return f"the time of {TIME_BUDGET_S:g} s is used up after {self.runs} runs"
+
+
+def estimates(
+    asked: Asked, records: Mapping[str, Engine], progress: Advance = lambda done, count=1: None
+) -> Iterator[tuple[str, list[EstimateRow], tuple[str, float], str, Refined | None]]:
+    """Yield for each engine its name, rows, the method and time step (s) of the file, the class of the scene and the own runs.
+
+    Raises `BadInput` if the file has no such keyframe, actuator or quantity in any engine.
+    """
+    for name, record in records.items():
+        with pool.Workers(
+            refining.perform, 1, TIME_LIMIT_S, group=refining.engine_of, home=engine_homes.home, kept=True
+        ) as workers:
+            clock = _Clock(workers, time.monotonic() + TIME_BUDGET_S)
+            yield name, *_of_engine(asked, name, record, clock)
+        progress(name)
+
+
+def _of_engine(
+    asked: Asked, name: str, record: Engine, clock: _Clock
+) -> tuple[list[EstimateRow], tuple[str, float], str, Refined | None]:
+    """Return the rows of one engine, the method of the file, the class of the scene, and the runs with that method."""
+    facts = _facts(asked, name, record, clock)
+    if isinstance(facts, Ended):
+        return [_nothing(asked, name, record, Method("", 0.0), *_verdict_of(facts))], ("", 0.0), "", None
+    rows: list[EstimateRow] = []
+    own, kind = None, ""
+    end = clock.end
+    for place, spelling in enumerate(facts.methods):
+        now = time.monotonic()
+        clock.end = now + (end - now) / (len(facts.methods) - place)
+        method = Method.parse(spelling, 0.0).at(facts.method.timestep)
+        head = Head(asked.name, name, record.version, method.name)
+        subject = _subject(asked, facts)
+        try:
+            known = refined(subject, method, lambda one, times, nudged: _made(asked, name, clock, one, times, nudged))
+        except NoTime as error:
+            rows.append(_nothing(asked, name, record, method, NO_TIME, str(error)))
+            continue
+        if isinstance(known, Ended):
+            rows.append(_nothing(asked, name, record, method, *_verdict_of(known)))
+            continue
+        known = searched(subject, known, lambda one, times, nudged: _made(asked, name, clock, one, times, nudged))
+        rows += rating.rows(head, subject, known, asked.quantities) or [
+            _nothing(asked, name, record, method, NO_TIME, known.out_of_time or clock.told)
+        ]
+        if own is None:
+            own = known
+            kind = _kind(asked, facts, known.levels.levels[-1].motion) if known.levels.levels else ""
+    return rows, (facts.method.name, facts.method.timestep), kind, own
+
+
+def _verdict_of(ended: Ended) -> tuple[str, str]:
+    """Return the verdict and the reason for a method that an engine cannot run at all."""
+    return (NO_TIME if ended.status == "timeout" else UNSUPPORTED), ended.reason
+
+
+def _nothing(asked: Asked, name: str, record: Engine, method: Method, verdict: str, reason: str) -> EstimateRow:
+    """Return the row of a method that was not run."""
+    none = (None, None, None, None)
+    return EstimateRow(
+        *(asked.name, name, record.version, method.name, method.timestep, asked.quantities[0]), *none, verdict, reason, None, None
+    )
+
+
+def _made(asked: Asked, name: str, clock: _Clock, method: Method, times: Array, nudged: bool) -> Motion | Ended:
+    """Make a run in an engine. Raises `NoTime`."""
+    call: Call
+    if asked.case is not None:
+        call = RunCase(name, asked.case, method, times, nudged)
+    else:
+        assert asked.file is not None
+        call = RunFile(name, asked.file, FileRun(method, times, asked.keyframe, asked.controls, nudged))
+    answer = clock.ask(call, round(float(times[-1]) / method.timestep), method)
+    assert not isinstance(answer, FileFacts)
+    return answer
+
+
+def _facts(asked: Asked, name: str, record: Engine, clock: _Clock) -> FileFacts | Ended:
+    """Return the contents of a file, or of a case, on which its runs depend. Raises `BadInput`."""
+    if asked.case is not None:
+        return _facts_of_case(asked.case, record, asked.integrators)
+    assert asked.file is not None
+    facts = clock.ask(AskFile(name, asked.file), 0)
+    if not isinstance(facts, FileFacts):
+        assert isinstance(facts, Ended)
+        return facts
+    if asked.keyframe and asked.keyframe not in facts.keyframes:
+        raise BadInput(f"--keyframe {asked.keyframe!r}: {asked.name} has: {', '.join(facts.keyframes) or 'none'}")
+    for actuator in () if asked.controls is None else asked.controls.names:
+        if actuator not in facts.actuators:
+            meant = did_you_mean(actuator, facts.actuators)
+            there = ", ".join(facts.actuators) or "none"
+            raise BadInput(f"--controls: there is no actuator {actuator!r} in {asked.name}; there are: {there}{meant}")
+    return replace(facts, methods=asked.integrators or facts.methods)
+
+
+def _facts_of_case(case: Case, record: Engine, integrators: Sequence[str]) -> FileFacts | Ended:
+    """Return the methods of an engine for a case, with the time step of the case or the engine's default."""
+    spellings = [one for one in chosen(record, case.scene, integrators) if Method.parse(one, 0.0).accuracy is None]
+    if not spellings:
+        return Ended("unsupported", f"{record.name} has no method with a fixed time step for this scene")
+    method = Method.parse(spellings[0], 0.0)
+    step = case.timestep or default_timestep(record, case, method)
+    period = control_period(case.scene)
+    if period is not None:
+        step = float(period / max(1, round(float(period) / step)))
+    return FileFacts(method.at(min(step, case.duration)), tuple(spellings))
+
+
+def _subject(asked: Asked, facts: FileFacts) -> Subject:
+    """Return the scene as a method is refined on it."""
+    held = np.empty(0)
+    scene = None if asked.case is None else asked.case.scene
+    if scene is not None and (period := control_period(scene)) is not None:
+        held = np.array([float(period)])
+    elif asked.controls is not None:
+        inside = asked.controls.times[(asked.controls.times > 0) & (asked.controls.times < asked.duration)]
+        held = np.ceil(inside / facts.method.timestep - 1e-6) * facts.method.timestep
+    return Subject(
+        asked.instants,
+        scene,
+        asked.error,
+        asked.compared,
+        lambda motion: factors.factors()[_kind(asked, facts, motion)].factor,
+        held,
+    )
+
+
+def _kind(asked: Asked, facts: FileFacts, motion: Motion) -> factors.Kind:
+    """Return the class of the scene."""
+    if asked.case is not None:
+        return factors.of_case(asked.case.scene)
+    return factors.of_file(motion, facts.driven, facts.friction)
