@@ -185,9 +185,7 @@ class _Recorder:
         self.regimes.append(frozenset(_acting(model, seen)))
         self.iterations = max(self.iterations, int(np.max(data.solver_niter, initial=0)))
 
-    def motion(
-        self, times: Array, steps: int, wall_time: float, ended: str, reset: bool, warned: dict[str, int]
-    ) -> FileMotion:
+    def motion(self, times: Array, steps: int, wall_time: float, ended: str, reset: bool, warned: dict[str, int]) -> FileMotion:
         model, count = self.model, len(self.joints)
         qpos = np.array(self.joints).reshape(count, model.nq)
         kinds = {int(kind): np.flatnonzero(model.jnt_type == kind) for kind in range(4)}

@@ -2,8 +2,8 @@
 
 https://mujoco.readthedocs.io/en/stable/XMLreference.html. Included files replace the elements that include them. Textures,
 skins, plug-ins and the sizes of memory are removed, because no term of the equations of motion depends on them; a height field
-is made flat. The copy of a whole scene keeps height fields and the sizes of its arrays, and has no plug-ins. A mesh that carries no inertia is replaced by a small mesh, so that references to it stay valid. Bodies and joints
-without names get names.
+is made flat. The copy of a whole scene keeps height fields and the sizes of its arrays, and has no plug-ins. A mesh that
+carries no inertia is replaced by a small mesh, so that references to it stay valid. Bodies and joints without names get names.
 """
 
 from functools import partial

@@ -41,13 +41,12 @@ def copied(path: Path, packages: Sequence[Path], into: Path) -> RobotFile:
 
 def _prepare_urdf(root: Element, allowed: Folders, into: Path) -> None:
     """Remove what does not act from a URDF, and copy the meshes of its collision shapes."""
-    room, count = mjcf_meshes.MAX_BYTES, 0
+    room = mjcf_meshes.MAX_BYTES
     for element in root.everything():
         element.children = [child for child in element.children if local(child.tag) not in UNWANTED]
-    for mesh in (element for element in root.everything() if element.tag == "mesh"):
+    for count, mesh in enumerate(element for element in root.everything() if element.tag == "mesh"):
         name = mesh.attributes.get("filename", "")
         data, suffix = mjcf_meshes.content(mesh, name, (allowed.home,), allowed, room, mjcf_meshes.WHOLE.what)
         room -= len(data)
         mesh.attributes["filename"] = f"mesh-{count}{suffix}"
         writing.write(into / mesh.attributes["filename"], data)
-        count += 1

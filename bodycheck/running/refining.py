@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.adapters.file_motion import Controls, FileFacts, FileMotions, FileRun, MotionRefused, nudged
+from bodycheck.adapters.file_motion import FileFacts, FileMotions, FileRun, MotionRefused, nudged
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile
 from bodycheck.casefile.content import Case
 from bodycheck.reference.mechanisms.mechanism import AnyScene, BodyStart, Joint, JointedBody, Mechanism
@@ -176,7 +176,9 @@ def nudged_scene(scene: AnyScene) -> AnyScene:
     """Return a scene whose initial coordinates and velocities are larger by one rounding."""
     if isinstance(scene, Scene):
         state = scene.initial
-        return replace(scene, initial=State(*map(_nudged, (state.position, state.quaternion, state.velocity, state.angular_velocity))))
+        return replace(
+            scene, initial=State(*map(_nudged, (state.position, state.quaternion, state.velocity, state.angular_velocity)))
+        )
     return replace(scene, bodies=tuple(map(_nudged_body, scene.bodies)), joints=tuple(map(_nudged_joint, scene.joints)))
 
 

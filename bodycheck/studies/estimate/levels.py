@@ -82,7 +82,7 @@ class Levels:
         return own_steps(self.instants, self.levels[level].timestep) * self.levels[level].timestep
 
     def series(self, coarse: int, fine: int) -> Mapping[str, Array]:
-        """Return the largest differences so far (m,) of two levels at the instants of the coarser one, by quantities."""
+        """Return the differences (m,) of two levels at the instants of the coarser one, by quantities."""
         if (coarse, fine) not in self.known:
             one, other = self.levels[coarse], self.levels[fine]
             steps = own_steps(self.instants, one.timestep)
@@ -109,7 +109,9 @@ class Levels:
 
     def value(self, quantity: str, coarse: int, fine: int, until: float, at_end: bool = False) -> float:
         """Return the largest difference of two levels until an instant (s), or that at the last instant until then."""
-        return _value(self.series(coarse, fine)[quantity], self.times(coarse), until + SAME * self.levels[coarse].timestep, at_end)
+        return _value(
+            self.series(coarse, fine)[quantity], self.times(coarse), until + SAME * self.levels[coarse].timestep, at_end
+        )
 
     def nudge(self, quantity: str, until: float) -> float:
         """Return the difference that one rounding at the start makes until an instant (s), at least one rounding itself."""

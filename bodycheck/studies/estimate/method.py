@@ -4,7 +4,7 @@ The runs are made by a function that the caller gives, so that this module knows
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -24,16 +24,19 @@ ERROR = 1e-3
 #: The largest number of coarser levels, and the fewest steps of the coarsest one.
 COARSER, FEWEST_STEPS = 6, 10
 
-#: The number of finer levels that every method gets, and the largest number of them.
-FINER, MOST_FINER = 3, 9
+#: The number of finer levels that every method gets, and the largest number of them if the differences fall evenly or not.
+FINER, MOST_FINER, MOST_UNEVEN = 3, 9, 6
 
-#: The part of the own error to which that of the finest run must fall before the refinement ends, and the ratio of that error to
-#: the allowed one up to which further levels are run, so that one of them keeps the allowed error.
+#: The largest number of instants that are tried as the end of the time until which there is an estimate.
+MOST_INSTANTS = 200
+
+#: The part of the own error to which that of the finest run must fall before the refinement ends, and the ratio of that error
+#: to the allowed one up to which further levels are run, so that one of them keeps the allowed error.
 RESOLVED, NEAR_ALLOWED = 0.03, 6.0
 
 #: The ratio of the smallest step that breaks the error to the largest that keeps it at which a search ends, the largest number
 #: of steps that a search tries, and the ratio of the error of a step to that of the finer run with which it is compared.
-NEAR, MOST_TRIES, PARTNER = 1.04, 6, 30.0
+NEAR, MOST_TRIES, PARTNER = 1.04, 6, 16.0
 
 
 class NoTime(Exception):
@@ -70,15 +73,6 @@ class Subject:
     compared: tuple[str, ...]
     factor: Callable[[Motion], float]
     held: Array = field(default_factory=lambda: np.empty(0))
-
-
-@dataclass(frozen=True)
-class Assessed:
-    """The assessment of one quantity: the reference, the last instant (s) until which there is one, or the reason for none."""
-
-    known: Reference | None
-    horizon: float | None
-    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,12 +130,14 @@ class Refined:
         apart, count = self.apart(quantity, until, at_end), len(self.levels.levels)
         return refinement.reference(apart, count, self.rounding(quantity, until), self.factor)
 
-    def interval(self, quantity: str, level: int, until: float, known: Reference, at_end: bool = False) -> Interval:
-        """Return the estimate of the error of a level until an instant (s)."""
-        rounding = self.rounding(quantity, until)
+    def intervals(self, quantity: str, until: float, known: Reference, at_end: bool = False) -> list[Interval | None]:
+        """Return the estimate of the error of each level until an instant (s); None for a level without one."""
+        rounding, places = self.rounding(quantity, until), range(len(self.levels.levels))
         if quantity in OF_ONE_RUN:
-            return refinement.around(self.levels.value(quantity, level, level, until, at_end), 0.0, rounding, self.factor)
-        return refinement.interval(known, self.apart(quantity, until, at_end), level, rounding, self.factor)
+            values = [self.levels.value(quantity, level, level, until, at_end) for level in places]
+            return [refinement.around(value, 0.0, rounding, self.factor) if known.even else None for value in values]
+        apart = self.apart(quantity, until, at_end)
+        return [refinement.interval(known, apart, level, rounding, self.factor) for level in places]
 
     def of_pair(self, pair: Levels, quantity: str, known: Reference, at_end: bool = False) -> tuple[Interval, Interval]:
         """Return the estimates of the errors of a step that the search tried, and of its finer run, over the whole time.
@@ -193,7 +189,7 @@ def refined(subject: Subject, method: Method, run: Run) -> Refined | Ended:
             go(exponent)
         known = _with_nudge(subject, _so_far(subject, known, done), run)
         for exponent in range(-FINER - 1, -MOST_FINER - 1, -1):
-            if known.chaos is not None or _resolved(subject, known):
+            if known.chaos is not None or _resolved(subject, known) or (-exponent > MOST_UNEVEN and _uneven(subject, known)):
                 break
             go(exponent)
             known = _so_far(subject, known, done)
@@ -220,18 +216,26 @@ def _so_far(subject: Subject, known: Refined, done: dict[int, Level]) -> Refined
 
 def _resolved(subject: Subject, known: Refined) -> bool:
     """Return whether the error of each compared quantity is known, and small beside that of the own step or the allowed one."""
-    end, count = float(subject.instants[-1]), len(known.levels.levels)
     own = next((place for place, one in enumerate(known.levels.levels) if one.timestep == known.method.timestep), None)
     for quantity in (name for name in known.levels.quantities if name in subject.compared):
-        seen = known.assessed(quantity, end)
+        seen = known.assessed(quantity, float(subject.instants[-1]))
         if isinstance(seen, str) or own is None:
             return False
-        finest = known.interval(quantity, count - 1, end, seen)
-        if finest.low > 0 and finest.estimate > RESOLVED * known.interval(quantity, own, end, seen).estimate:
+        intervals = known.intervals(quantity, float(subject.instants[-1]), seen)
+        first, finest = intervals[own], intervals[-1]
+        if first is None or finest is None:
+            return False
+        if finest.low > 0 and finest.estimate > RESOLVED * first.estimate:
             return False
         if subject.error < finest.high <= NEAR_ALLOWED * subject.error:
             return False
     return True
+
+
+def _uneven(subject: Subject, known: Refined) -> bool:
+    """Return whether the differences of a compared quantity do not fall evenly."""
+    seen = (known.assessed(name, float(subject.instants[-1])) for name in known.levels.quantities if name in subject.compared)
+    return any(isinstance(one, str) or not one.even for one in seen)
 
 
 def _with_nudge(subject: Subject, known: Refined, run: Run) -> Refined:
@@ -247,42 +251,47 @@ def _with_nudge(subject: Subject, known: Refined, run: Run) -> Refined:
         return known
     levels = replace(known.levels, nudged=(finest, nudged))
     places = tuple(name for name in subject.compared if name in PLACES) or PLACES
-    return replace(known, levels=levels, chaos=levels.divergence(places, subject.error if subject.compared[0] in PLACES else ERROR))
+    return replace(
+        known, levels=levels, chaos=levels.divergence(places, subject.error if subject.compared[0] in PLACES else ERROR)
+    )
 
 
 def searched(subject: Subject, known: Refined, run: Run) -> Refined:
     """Return the runs with those of a search for the largest time step that keeps the error.
 
-    Every step that is tried divides the duration, and is compared with a run whose step is smaller by a power of two.
+    Every step that is tried divides the duration, and is compared with a run whose step is smaller by a power of two. There is
+    no search where the differences do not fall evenly.
     """
-    quantities = [name for name in known.levels.quantities if name in subject.compared]
     end = float(subject.instants[-1])
-    seen = {name: known.assessed(name, end) for name in quantities}
-    if known.chaos is not None or len(subject.held) or not quantities or any(isinstance(one, str) for one in seen.values()):
+    seen = {name: known.assessed(name, end) for name in known.levels.quantities if name in subject.compared}
+    references = {name: one for name, one in seen.items() if isinstance(one, Reference) and one.even}
+    if known.chaos is not None or len(subject.held) or not seen or len(references) < len(seen):
         return known
-    references = {name: one for name, one in seen.items() if isinstance(one, Reference)}
-    highs = [
-        (one.timestep, max(known.interval(name, place, end, each).high for name, each in references.items()))
-        for place, one in enumerate(known.levels.levels)
-    ]
-    bracket = _bracket(highs, subject.error)
+    bracket = _bracket(_highs(known, references, end), subject.error)
     pairs: list[Levels] = []
     try:
         for _ in range(MOST_TRIES):
             if bracket is None or bracket[1][0] / bracket[0][0] <= NEAR:
                 break
-            steps = _between(bracket, subject.error, end)
-            if not bracket[0][0] * (1 + 1e-9) < end / steps < bracket[1][0] * (1 - 1e-9):
+            step = end / _between(bracket, subject.error, end)
+            if not bracket[0][0] * (1 + 1e-9) < step < bracket[1][0] * (1 - 1e-9):
                 break
-            pair = _pair(subject, known, end / steps, references, run)
+            pair = _pair(subject, known, step, references, run)
             high = math.inf
             if pair is not None:
                 pairs.append(pair)
                 high = max(known.of_pair(pair, name, each)[0].high for name, each in references.items())
-            bracket = ((end / steps, high), bracket[1]) if high <= subject.error else (bracket[0], (end / steps, high))
+            bracket = ((step, high), bracket[1]) if high <= subject.error else (bracket[0], (step, high))
     except NoTime:
         pass
     return replace(known, pairs=tuple(pairs))
+
+
+def _highs(known: Refined, references: Mapping[str, Reference], end: float) -> list[tuple[float, float]]:
+    """Return the time step (s) of each level, and the largest upper end of its errors."""
+    columns = [known.intervals(name, end, each) for name, each in references.items()]
+    highs = [max(math.inf if one is None else one.high for one in row) for row in zip(*columns, strict=True)]
+    return [(level.timestep, high) for level, high in zip(known.levels.levels, highs, strict=True)]
 
 
 #: A time step (s) and the upper end of its error.
@@ -309,9 +318,7 @@ def _between(bracket: tuple[_Tried, _Tried], error: float, duration: float) -> i
     return max(1, math.ceil(duration / middle))
 
 
-def _pair(
-    subject: Subject, known: Refined, timestep: float, references: dict[str, Reference], run: Run
-) -> Levels | None:
+def _pair(subject: Subject, known: Refined, timestep: float, references: dict[str, Reference], run: Run) -> Levels | None:
     """Return a run with a time step and a finer one; None if one of them does not complete. Raises `NoTime`."""
     orders = [each.order for each in references.values() if each.error] or [1.0]
     halvings = max(2, min(5, math.ceil(math.log2(PARTNER) / max(refinement.LEAST_ORDER, min(orders)))))
@@ -325,24 +332,21 @@ def _pair(
     return Levels(subject.instants, subject.scene, tuple(levels))
 
 
-def assessments(subject: Subject, known: Refined) -> Iterator[tuple[str, Assessed]]:
-    """Yield the assessment of each quantity, the largest over time, with its horizon."""
-    end = float(subject.instants[-1])
-    last = end if known.chaos is None else known.chaos
-    for quantity in known.levels.quantities:
-        seen = known.assessed(quantity, end)
-        if isinstance(seen, Reference) and known.chaos is None:
-            yield quantity, Assessed(seen, end, "")
-            continue
-        reason = seen if isinstance(seen, str) else ""
-        until, before = _horizon(subject, known, quantity, last)
-        yield quantity, Assessed(before, until, reason)
+def horizons(subject: Subject, known: Refined, quantity: str) -> list[tuple[float, Interval, Reference] | None]:
+    """Return for each level the last instant (s) until which its largest error is estimated, with the estimate.
 
-
-def _horizon(subject: Subject, known: Refined, quantity: str, last: float) -> tuple[float | None, Reference | None]:
-    """Return the last instant (s) before `last` until which there is a reference for a quantity, and this reference."""
-    for until in reversed(subject.instants[(subject.instants < last) & (subject.instants > 0)].tolist()):
+    None for a level that has no estimate at any of the instants, at most `MOST_INSTANTS` of which are tried.
+    """
+    end = float(subject.instants[-1]) if known.chaos is None else known.chaos
+    allowed = subject.instants[(subject.instants > 0) & ((subject.instants < end) | (known.chaos is None))]
+    tried = allowed[:: -max(1, math.ceil(len(allowed) / MOST_INSTANTS))]
+    last: list[tuple[float, Interval, Reference] | None] = [None] * len(known.levels.levels)
+    for until in tried.tolist():
         seen = known.assessed(quantity, until)
         if isinstance(seen, Reference):
-            return until, seen
-    return None, None
+            for place, interval in enumerate(known.intervals(quantity, until, seen)):
+                if last[place] is None and interval is not None:
+                    last[place] = until, interval, seen
+        if all(one is not None for one in last):
+            break
+    return last

@@ -9,7 +9,7 @@ from bodycheck.reports.quantities import number
 from bodycheck.studies.estimate import refinement
 from bodycheck.studies.estimate.distances import AT_END, OF_ONE_RUN
 from bodycheck.studies.estimate.levels import Levels
-from bodycheck.studies.estimate.method import Assessed, Refined, Subject, assessments
+from bodycheck.studies.estimate.method import Refined, Subject, horizons
 from bodycheck.studies.estimate.refinement import Interval, Reference
 from bodycheck.studies.estimate.rows import CHAOTIC, ESTIMATE, NO_TIME, NOT_ASYMPTOTIC, UNSUPPORTED, EstimateRow
 
@@ -49,10 +49,10 @@ def rows(head: Head, subject: Subject, known: Refined, wanted: Sequence[str]) ->
     cost = seconds_per_step(known)
     judged: dict[float, list[tuple[str, _Judged]]] = {}
     names = [name for name in wanted if name.removesuffix(AT_END) in known.levels.quantities]
-    for quantity, assessed in assessments(subject, known):
-        for name in (name for name in names if name.removesuffix(AT_END) == quantity):
-            for timestep, verdict in _of_quantity(subject, known, name, assessed):
-                judged.setdefault(timestep, []).append((name, verdict))
+    reasons = tuple(differs(known.levels))
+    for name in names:
+        for timestep, verdict in _of_quantity(subject, known, name, reasons):
+            judged.setdefault(timestep, []).append((name, verdict))
     for timestep, why in known.ended.items():
         judged[timestep] = [(name, _Judged(None, None, *_ended(why.status, why.reason), None)) for name in names or [""]]
     for level in (*known.stray, *(() if known.levels.quantities else known.levels.levels)):
@@ -97,68 +97,67 @@ def _unmatched(known: Refined) -> tuple[str, str]:
     return NOT_ASYMPTOTIC, "no run with half the time step completed, with which it could be compared"
 
 
-def _of_quantity(
-    subject: Subject, known: Refined, name: str, assessed: Assessed
-) -> Iterator[tuple[float, _Judged]]:
-    """Yield the time step and the judgement of each run for one quantity."""
+def _of_quantity(subject: Subject, known: Refined, name: str, reasons: Sequence[str]) -> Iterator[tuple[float, _Judged]]:
+    """Yield the time step and the judgement of each run for one quantity. reasons: what differs between the finest runs."""
     quantity, at_end = name.removesuffix(AT_END), name.endswith(AT_END)
     end = float(subject.instants[-1])
-    whole = assessed.known is not None and assessed.horizon == end and known.chaos is None
-    reference, horizon = assessed.known, assessed.horizon
-    if whole and at_end:
-        seen = known.assessed(quantity, end, at_end=True)
-        if isinstance(seen, str):
-            # The difference at one instant may pass through zero; the largest over time does not.
-            reference = assessed.known
+    last = horizons(subject, known, quantity)
+    whole = known.assessed(quantity, end)
+    at_last = known.assessed(quantity, end, at_end=True) if at_end else whole
+    if isinstance(at_last, str) or not at_last.even:
+        at_last = whole  # the difference at one instant may pass through zero; the largest over time does not
+    for place, level in enumerate(known.levels.levels):
+        seen = last[place]
+        horizon, order = (None, None) if seen is None else (seen[0], _order(seen[2], last, place))
+        if known.chaos is not None:
+            interval = None if seen is None else _until(known, quantity, place, seen, at_end)
+            yield level.timestep, _Judged(interval, order, *_chaotic(known.chaos, horizon), horizon)
+        elif seen is not None and seen[0] == end and isinstance(at_last, Reference):
+            interval = known.intervals(quantity, end, at_last, at_end)[place] or seen[1]
+            yield level.timestep, _Judged(interval, order, ESTIMATE, ROUNDED if interval.low == 0 else "", end)
         else:
-            reference = seen
-    verdict, reason = _verdict(known, assessed, end, whole)
-    estimates = [
-        None if reference is None or horizon is None else known.interval(quantity, place, horizon, reference, at_end)
-        for place in range(len(known.levels.levels))
-    ]
-    for place, (level, interval) in enumerate(zip(known.levels.levels, estimates, strict=True)):
-        order = _order(reference, estimates, place)
-        shown = interval if whole or known.chaos is not None else None
-        rounded = whole and interval is not None and interval.low == 0
-        yield level.timestep, _Judged(shown, order, verdict, ROUNDED if rounded else reason, horizon)
-    for pair in known.pairs if whole and reference is not None else ():
-        yield from _of_pair(known, pair, quantity, reference, at_end, end)
+            why = whole if isinstance(whole, str) else whole.reason or "its error is not clear of that of the finest run"
+            yield level.timestep, _Judged(None, order, *_none(known, why, reasons), horizon)
+    if known.chaos is None and isinstance(whole, Reference) and isinstance(at_last, Reference):
+        for pair in known.pairs:
+            yield from _of_pair(known, pair, quantity, at_last, at_end, end)
+
+
+def _until(known: Refined, quantity: str, place: int, seen: tuple[float, Interval, Reference], at_end: bool) -> Interval | None:
+    """Return the estimate of the error of a level until its horizon, or that at the horizon."""
+    return known.intervals(quantity, seen[0], seen[2], at_end)[place] if at_end else seen[1]
 
 
 def _of_pair(
     known: Refined, pair: Levels, quantity: str, reference: Reference, at_end: bool, end: float
 ) -> Iterator[tuple[float, _Judged]]:
     """Yield the judgements of a step that the search tried, and of the finer run with which it was compared."""
+    order = reference.order if np.isfinite(reference.order) else None
     for level, interval in zip(pair.levels, known.of_pair(pair, quantity, reference, at_end), strict=True):
         scaled = level is pair.levels[-1] and quantity not in OF_ONE_RUN
-        yield level.timestep, _Judged(interval, reference.order, ESTIMATE, SCALED if scaled else "", end)
+        yield level.timestep, _Judged(interval, order, ESTIMATE, SCALED if scaled else "", end)
 
 
-def _order(reference: Reference | None, estimates: Sequence[Interval | None], place: int) -> float | None:
+def _order(reference: Reference, last: Sequence[tuple[float, Interval, Reference] | None], place: int) -> float | None:
     """Return the order that the estimates of a level and of the next finer one show."""
-    here, finer = estimates[place], estimates[place + 1] if place + 1 < len(estimates) else None
-    if reference is None or here is None:
-        return None
-    if place >= reference.level or finer is None:
-        return reference.order
-    return refinement.order(here.estimate, finer.estimate)
+    here, finer = last[place], last[place + 1] if place + 1 < len(last) else None
+    if here is None or finer is None or place >= reference.level or here[0] != finer[0]:
+        return reference.order if reference.even and place >= reference.level else None
+    return refinement.order(here[1].estimate, finer[1].estimate)
 
 
-def _verdict(known: Refined, assessed: Assessed, end: float, whole: bool) -> tuple[str, str]:
-    """Return the verdict and the reason of the rows of a quantity."""
-    if known.chaos is not None:
-        return (
-            f"{CHAOTIC} {known.chaos:.6g}",
-            f"one rounding at the start makes a difference above the allowed error from {number(known.chaos)} s on"
-            + (f"; the numbers are until {number(assessed.horizon)} s" if assessed.horizon is not None else ""),
-        )
-    if whole:
-        return ESTIMATE, ""
-    if known.out_of_time:
-        return NO_TIME, f"{assessed.reason}; {known.out_of_time}" if assessed.reason else known.out_of_time
-    parts = [assessed.reason, *differs(known.levels)]
-    return NOT_ASYMPTOTIC, "; ".join(filter(None, parts))
+def _chaotic(chaos: float, horizon: float | None) -> tuple[str, str]:
+    """Return the verdict and the reason of a row of a chaotic scene."""
+    until = "" if horizon is None else f"; the numbers are until {number(horizon)} s"
+    why = f"one rounding at the start makes a difference above the allowed error from {number(chaos)} s on{until}"
+    return f"{CHAOTIC} {chaos:.6g}", why
+
+
+def _none(known: Refined, why: str, reasons: Sequence[str]) -> tuple[str, str]:
+    """Return the verdict and the reason of a row without an estimate."""
+    if known.out_of_time and (len(known.levels.levels) < refinement.FEWEST_LEVELS or known.levels.nudged is None):
+        return NO_TIME, f"{why}; {known.out_of_time}"
+    return NOT_ASYMPTOTIC, "; ".join((why, *reasons))
 
 
 def differs(levels: Levels) -> Iterator[str]:

@@ -94,8 +94,8 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Estimates:
-    """All results of a study.
+class About:
+    """The question of a study.
 
     Attributes
     ----------
@@ -103,23 +103,83 @@ class Estimates:
         The name of the file, and the duration of the runs (s).
     error
         The error that is allowed (rad or m).
-    quantities
+    compared
         The quantities that are compared with it.
+    """
+
+    file: str
+    duration: float
+    error: float
+    compared: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class OfEngine:
+    """The results of one engine.
+
+    Attributes
+    ----------
+    engine
+        The name of the engine.
+    integrator, timestep
+        The method and the time step (s) of the file; empty and 0 if the engine cannot run it.
+    kind
+        The class of the scene; empty if it is not known.
+    rows
+        The rows.
+    apart
+        The distance of the finest run from the truth of a case and the bound of the truth's error, by quantities.
+    """
+
+    engine: str
+    integrator: str
+    timestep: float
+    kind: str
+    rows: tuple[EstimateRow, ...]
+    apart: dict[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """All results of a study.
+
+    Attributes
+    ----------
+    file, duration, error, compared
+        As in `About`.
     own
         For each engine the method and the time step (s) of the file.
     kinds
         For each engine the class of the scene.
     rows
         The rows of all engines.
+    apart
+        For each engine the distance of its finest run from the truth of a case, and the bound of the truth's error.
+    spread
+        For pairs of engines the differences between their finest runs, by quantities.
     """
 
     file: str
     duration: float
     error: float
-    quantities: tuple[str, ...]
+    compared: tuple[str, ...]
     own: dict[str, tuple[str, float]]
     kinds: dict[str, str]
     rows: tuple[EstimateRow, ...]
+    apart: dict[str, dict[str, tuple[float, float]]]
+    spread: dict[tuple[str, str], dict[str, float]]
+
+
+def joined(about: About, engines: Sequence[OfEngine], spread: Sequence[tuple[str, str, dict[str, float]]]) -> Estimates:
+    """Return the results of all engines as one, with the differences between pairs of them."""
+    return Estimates(
+        *(about.file, about.duration, about.error, about.compared),
+        own={one.engine: (one.integrator, one.timestep) for one in engines},
+        kinds={one.engine: one.kind for one in engines},
+        rows=tuple(row for one in engines for row in one.rows),
+        apart={one.engine: one.apart for one in engines if one.apart},
+        spread={(one, other): differences for one, other, differences in spread},
+    )
 
 
 def by_step(rows: Sequence[EstimateRow]) -> dict[tuple[str, str], dict[float, list[EstimateRow]]]:
@@ -131,15 +191,16 @@ def by_step(rows: Sequence[EstimateRow]) -> dict[tuple[str, str], dict[float, li
 
 
 def choices(results: Estimates) -> list[Choice]:
-    """Return for each engine and method the largest time step that keeps the error with all smaller ones, the cheapest first."""
+    """Return the largest time step of each engine and method that keeps the error with all smaller ones, the cheapest first."""
     chosen = []
     for (engine, integrator), of_method in by_step(results.rows).items():
         kept = None
         for timestep, rows in of_method.items():
-            high, cost = largest(rows, results.quantities), rows[0].cost
-            if high is None or high > results.error or cost is None:
+            high, cost = largest(rows, results.compared), rows[0].cost
+            if any(row.verdict in (DIVERGED, RESET) for row in rows) or (high is not None and high > results.error):
                 break
-            kept = Choice(engine, integrator, timestep, high, cost)
+            if high is not None and cost is not None:
+                kept = Choice(engine, integrator, timestep, high, cost)
         chosen += [] if kept is None else [kept]
     return sorted(chosen, key=lambda one: one.cost)
 

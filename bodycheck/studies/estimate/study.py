@@ -1,9 +1,12 @@
 """Run the scene of a file, or of a case, with several time steps in engines, and estimate the errors of the runs."""
 
+import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -14,25 +17,40 @@ from bodycheck.adapters.offers import chosen
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
+from bodycheck.figures.columns import FIGURES
+from bodycheck.figures.definition import Comparison
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truths import Truth
+from bodycheck.results import resumption
 from bodycheck.results.header import Header
+from bodycheck.results.records import typed
 from bodycheck.running import engines as engine_homes
 from bodycheck.running import refining
 from bodycheck.running.campaign import Advance
 from bodycheck.running.instants import default_timestep
 from bodycheck.running.refining import AskFile, Call, Ended, Motion, RunCase, RunFile
+from bodycheck.running.tasks import Question, answer
 from bodycheck.studies.estimate import factors, rating
-from bodycheck.studies.estimate.distances import AT_END, NAMED, PLACES, SHORT, USUAL
+from bodycheck.studies.estimate.distances import AT_END, NAMED, PLACES, SHORT, USUAL, differences
 from bodycheck.studies.estimate.method import NoTime, Refined, Subject, refined, searched
 from bodycheck.studies.estimate.rating import Head
-from bodycheck.studies.estimate.rows import NO_TIME, UNSUPPORTED, EstimateRow, Estimates
+from bodycheck.studies.estimate.rows import (
+    NO_TIME,
+    RECORDS,
+    UNSUPPORTED,
+    About,
+    EstimateRow,
+    Estimates,
+    OfEngine,
+    joined,
+)
 from bodycheck.studies.timesteps import control_period
 from bodycheck.suggestion import did_you_mean
 
-#: The time (s) for all runs of a file in one engine, and the time limit of a question about a file.
-TIME_BUDGET_S, TIME_LIMIT_S = 45.0, 40.0
+#: The time (s) for all runs of a file in one engine.
+TIME_BUDGET_S = 30.0
 
 #: The duration (s) of the runs of a file, and the number of instants at which errors are compared.
 DURATION_S, SAMPLES = 1.0, 101
@@ -64,6 +82,10 @@ class Asked:
         The keyframe in which the runs of a file start, and their controls.
     samples
         The number of instants.
+    blind
+        Whether the truth of a case is not used.
+    identity
+        A digest of the contents of the files.
     """
 
     name: str
@@ -77,6 +99,8 @@ class Asked:
     keyframe: str = ""
     controls: Controls | None = None
     samples: int = SAMPLES
+    blind: bool = True
+    identity: str = ""
 
     @property
     def instants(self) -> Array:
@@ -126,7 +150,7 @@ class _Clock:
         if isinstance(answer, Crashed):
             return Ended(answer.status, answer.reason)
         if isinstance(answer, Motion) and method is not None:
-            self.per_step[method.name] = taken / max(1, answer.steps)
+            self.per_step[method.name] = min(self.per_step.get(method.name, math.inf), taken / max(1, answer.steps))
         return answer
 
     @property
@@ -135,54 +159,123 @@ class _Clock:
         return f"the time of {TIME_BUDGET_S:g} s is used up after {self.runs} runs"
 
 
-def estimates(
-    asked: Asked, records: Mapping[str, Engine], progress: Advance = lambda done, count=1: None
-) -> Iterator[tuple[str, list[EstimateRow], tuple[str, float], str, Refined | None]]:
-    """Yield for each engine its name, rows, the method and time step (s) of the file, the class of the scene and the own runs.
+@contextmanager
+def results(
+    asked: Asked,
+    records: Mapping[str, Engine],
+    folder: Path,
+    head: Header,
+    progress: Advance = lambda done, count=1: None,
+) -> Iterator[Estimates]:
+    """Run the scene in all engines, and provide the results.
 
-    Raises `BadInput` if the file has no such keyframe, actuator or quantity in any engine.
+    If the folder contains the same study and it was interrupted, the engines that are recorded there are not run again.
+
+    Raises
+    ------
+    BadInput
+        If the file has no such keyframe or actuator.
+    BadJournal
+        If another process is writing to the folder.
     """
-    for name, record in records.items():
-        with pool.Workers(
-            refining.perform, 1, TIME_LIMIT_S, group=refining.engine_of, home=engine_homes.home, kept=True
-        ) as workers:
-            clock = _Clock(workers, time.monotonic() + TIME_BUDGET_S)
-            yield name, *_of_engine(asked, name, record, clock)
-        progress(name)
+    about = About(asked.name, asked.duration, asked.error, asked.compared)
+    work = (about, asked.quantities, asked.integrators, asked.identity, asked.keyframe)
+    with resumption.opened(folder / RECORDS, head, *work, lost=lambda record: False, about=asdict(about)) as log:
+        done = [typed(OfEngine, record["engine"]) for record in log.records if record["record"] == "engine"]
+        finest: dict[str, Motion] = {}
+        for name, record in records.items():
+            if name not in {one.engine for one in done}:
+                of_engine, motion = _of_engine(asked, name, record)
+                log.add({"record": "engine", "engine": asdict(of_engine)})
+                done.append(of_engine)
+                finest |= {} if motion is None else {name: motion}
+            progress(name)
+        apart = [typed(_Spread, record["spread"]) for record in log.records if record["record"] == "spread"]
+        spread = apart[0] if apart else _spread(asked, finest)
+        if not apart:
+            log.add({"record": "spread", "spread": spread})
+        yield joined(about, done, spread)
 
 
-def _of_engine(
-    asked: Asked, name: str, record: Engine, clock: _Clock
-) -> tuple[list[EstimateRow], tuple[str, float], str, Refined | None]:
-    """Return the rows of one engine, the method of the file, the class of the scene, and the runs with that method."""
-    facts = _facts(asked, name, record, clock)
-    if isinstance(facts, Ended):
-        return [_nothing(asked, name, record, Method("", 0.0), *_verdict_of(facts))], ("", 0.0), "", None
-    rows: list[EstimateRow] = []
-    own, kind = None, ""
-    end = clock.end
-    for place, spelling in enumerate(facts.methods):
-        now = time.monotonic()
-        clock.end = now + (end - now) / (len(facts.methods) - place)
-        method = Method.parse(spelling, 0.0).at(facts.method.timestep)
-        head = Head(asked.name, name, record.version, method.name)
-        subject = _subject(asked, facts)
-        try:
-            known = refined(subject, method, lambda one, times, nudged: _made(asked, name, clock, one, times, nudged))
-        except NoTime as error:
-            rows.append(_nothing(asked, name, record, method, NO_TIME, str(error)))
-            continue
-        if isinstance(known, Ended):
-            rows.append(_nothing(asked, name, record, method, *_verdict_of(known)))
-            continue
-        known = searched(subject, known, lambda one, times, nudged: _made(asked, name, clock, one, times, nudged))
-        rows += rating.rows(head, subject, known, asked.quantities) or [
-            _nothing(asked, name, record, method, NO_TIME, known.out_of_time or clock.told)
-        ]
-        if own is None:
-            own = known
-            kind = _kind(asked, facts, known.levels.levels[-1].motion) if known.levels.levels else ""
-    return rows, (facts.method.name, facts.method.timestep), kind, own
+#: The differences between the finest runs of pairs of engines.
+_Spread = list[tuple[str, str, dict[str, float]]]
+
+
+def _spread(asked: Asked, finest: Mapping[str, Motion]) -> _Spread:
+    """Return the differences between the finest runs of engines, at the instants that they have in common."""
+    scene = None if asked.case is None else asked.case.scene
+    spread = []
+    for one, other in combinations(finest, 2):
+        places = np.searchsorted(finest[one].t, finest[other].t + 1e-9 * asked.duration, side="right") - 1
+        same = np.abs(finest[one].t[places] - finest[other].t) <= 1e-9 * asked.duration
+        here, there = finest[one].part(places[same]), finest[other].part(np.flatnonzero(same))
+        if here.position.shape == there.position.shape and here.angles.shape == there.angles.shape and same.any():
+            apart = differences(scene, here, there)
+            spread.append((one, other, {name: float(apart[name].max()) for name in asked.compared if name in apart}))
+    return spread
+
+
+def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Motion | None]:
+    """Return the results of one engine, and the finest run with the method of the file."""
+    with pool.Workers(
+        refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=True
+    ) as workers:
+        clock = _Clock(workers, time.monotonic() + TIME_BUDGET_S)
+        facts = _facts(asked, name, record, clock)
+        if isinstance(facts, Ended):
+            row = _nothing(asked, name, record, Method("", 0.0), *_verdict_of(facts))
+            return OfEngine(name, "", 0.0, "", (row,), {}), None
+        rows: list[EstimateRow] = []
+        own: Refined | None = None
+        end = clock.end
+        for place, spelling in enumerate(facts.methods):
+            now = time.monotonic()
+            clock.end = now + (end - now) / (len(facts.methods) - place)
+            method = Method.parse(spelling, 0.0).at(facts.method.timestep)
+            of_method, known = _of_method(asked, name, record, clock, facts, method)
+            rows += of_method
+            own = own or known
+    finest = own.levels.levels[-1].motion if own is not None and own.levels.levels else None
+    kind = "" if finest is None else _kind(asked, facts, finest)
+    apart = _from_truth(asked, finest)
+    return OfEngine(name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart), finest
+
+
+def _of_method(
+    asked: Asked, name: str, record: Engine, clock: _Clock, facts: FileFacts, method: Method
+) -> tuple[list[EstimateRow], Refined | None]:
+    """Return the rows of one method, and its runs."""
+    subject = _subject(asked, facts)
+    run = partial(_made, asked, name, clock)
+    try:
+        known = refined(subject, method, run)
+    except NoTime as error:
+        return [_nothing(asked, name, record, method, NO_TIME, str(error))], None
+    if isinstance(known, Ended):
+        return [_nothing(asked, name, record, method, *_verdict_of(known))], None
+    known = searched(subject, known, run)
+    rows = rating.rows(Head(asked.name, name, record.version, method.name), subject, known, asked.quantities)
+    return rows or [_nothing(asked, name, record, method, NO_TIME, known.out_of_time or clock.told)], known
+
+
+def _from_truth(asked: Asked, finest: Motion | None) -> dict[str, tuple[float, float]]:
+    """Return the distance of a run from the truth of a case, and the bound of the truth's error, by quantities.
+
+    Empty for a file, for a case whose truth is not used, and for one without a truth.
+    """
+    if asked.case is None or asked.blind or finest is None or finest.trajectory is None:
+        return {}
+    with pool.Workers(answer, 1, TIME_BUDGET_S, home=lambda group: engine_homes.home(None)) as workers:
+        truth = workers.call(Question(asked.case, tuple(finest.t.tolist()), certified=False))
+    if not isinstance(truth, Truth):
+        return {}
+    compared = Comparison(truth, finest.trajectory)
+    apart = {}
+    for name in (name for name in asked.compared if name in FIGURES):
+        values, bound = FIGURES[name].compute(compared), FIGURES[FIGURES[name].bounded_by].compute(compared)
+        if isinstance(values, np.ndarray) and isinstance(bound, np.ndarray) and not np.isnan(values).all():
+            apart[name] = float(np.nanmax(values)), float(np.nanmax(bound))
+    return apart
 
 
 def _verdict_of(ended: Ended) -> tuple[str, str]:
@@ -194,7 +287,12 @@ def _nothing(asked: Asked, name: str, record: Engine, method: Method, verdict: s
     """Return the row of a method that was not run."""
     none = (None, None, None, None)
     return EstimateRow(
-        *(asked.name, name, record.version, method.name, method.timestep, asked.quantities[0]), *none, verdict, reason, None, None
+        *(asked.name, name, record.version, method.name, method.timestep, asked.quantities[0]),
+        *none,
+        verdict,
+        reason,
+        None,
+        None,
     )
 
 
