@@ -26,6 +26,9 @@ NAMED = (*USUAL, "velocity_error", "angular_velocity_error", "energy_error")
 #: The quantities that are compared with `--error` if none is named: angles and lengths.
 PLACES = USUAL[:4]
 
+#: The quantities that are angles.
+ANGLES = ("attitude_error", "joint_position_error")
+
 #: The end of the name of a quantity at the last instant, where that without it is the largest over time.
 AT_END = "_at_end"
 

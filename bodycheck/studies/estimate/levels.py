@@ -12,7 +12,7 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.running.refining import Motion
 from bodycheck.studies.estimate.distances import OF_ONE_RUN, differences
 
-#: The part of a time step by which two instants that are the same may differ.
+#: The time (s) by which two instants that are the same may differ.
 SAME = 1e-6
 
 #: The rounding of a number near 1, and that of an energy, which is a sum of several terms.
@@ -109,16 +109,15 @@ class Levels:
 
     def value(self, quantity: str, coarse: int, fine: int, until: float, at_end: bool = False) -> float:
         """Return the largest difference of two levels until an instant (s), or that at the last instant until then."""
-        return _value(
-            self.series(coarse, fine)[quantity], self.times(coarse), until + SAME * self.levels[coarse].timestep, at_end
-        )
+        step = self.levels[coarse].timestep
+        return _value(self.series(coarse, fine)[quantity], self.times(coarse), (round(until / step) + 0.5) * step, at_end)
 
     def nudge(self, quantity: str, until: float) -> float:
         """Return the difference that one rounding at the start makes until an instant (s), at least one rounding itself."""
         times, by_quantity = self.rounding
         if quantity not in by_quantity:
             return OF_ENERGY * EPS if quantity in OF_ONE_RUN else EPS
-        return max(EPS, _value(by_quantity[quantity], times, until * (1 + SAME), False))
+        return max(EPS, _value(by_quantity[quantity], times, until + SAME, False))
 
     def divergence(self, quantities: tuple[str, ...], error: float) -> float | None:
         """Return the first instant (s) at which one rounding at the start makes a difference above an error; None if never."""

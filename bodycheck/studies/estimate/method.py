@@ -14,7 +14,7 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 from bodycheck.running.refining import Ended, Motion
 from bodycheck.studies.estimate import refinement
-from bodycheck.studies.estimate.distances import OF_ONE_RUN, PLACES
+from bodycheck.studies.estimate.distances import ANGLES, OF_ONE_RUN, PLACES
 from bodycheck.studies.estimate.levels import Level, Levels, sampled_steps
 from bodycheck.studies.estimate.refinement import Interval, Reference
 
@@ -26,6 +26,9 @@ COARSER, FEWEST_STEPS = 6, 10
 
 #: The number of finer levels that every method gets, and the largest number of them if the differences fall evenly or not.
 FINER, MOST_FINER, MOST_UNEVEN = 3, 9, 6
+
+#: The angle (rad) between the two finest runs from which on no difference between runs shows an order.
+FAR = 0.3
 
 #: The largest number of instants that are tried as the end of the time until which there is an estimate.
 MOST_INSTANTS = 200
@@ -98,6 +101,8 @@ class Refined:
         The safety factor.
     stray
         The runs that completed although one with a smaller time step did not, so that they cannot be compared.
+    order
+        The order that the engine claims for the method; infinite if it claims none.
     """
 
     method: Method
@@ -108,6 +113,7 @@ class Refined:
     out_of_time: str = ""
     pairs: tuple[Levels, ...] = ()
     stray: tuple[Level, ...] = ()
+    order: float = math.inf
 
     def apart(self, quantity: str, until: float, at_end: bool = False) -> dict[tuple[int, int], float]:
         """Return the differences between all levels until an instant (s)."""
@@ -118,26 +124,29 @@ class Refined:
             for other in places[one + 1 :]
         }
 
-    def rounding(self, quantity: str, until: float) -> float:
-        """Return the effect of rounding on a quantity until an instant (s)."""
+    def assessed(self, quantity: str, until: float, at_end: bool = False) -> Reference | str:
+        """Return the reference of a quantity until an instant (s), or why there is none."""
         count = len(self.levels.levels)
         steps = self.levels.levels[-1].motion.steps if count else 0
         nudge = self.levels.nudge(quantity, until)
-        return refinement.effect_of_rounding(self.apart(quantity, until), count, nudge, steps)
+        if count > 1 and (far := self._far(until)) > FAR:
+            return f"the finest runs still differ by {far:.2g} rad"
+        return refinement.reference(self.apart(quantity, until, at_end), count, nudge, steps, self.factor, self.order)
 
-    def assessed(self, quantity: str, until: float, at_end: bool = False) -> Reference | str:
-        """Return the reference of a quantity until an instant (s), or why there is none."""
-        apart, count = self.apart(quantity, until, at_end), len(self.levels.levels)
-        return refinement.reference(apart, count, self.rounding(quantity, until), self.factor)
+    def _far(self, until: float) -> float:
+        """Return the largest angle (rad) between the two finest runs until an instant (s)."""
+        last = len(self.levels.levels) - 1
+        angles = [name for name in ANGLES if name in self.levels.quantities]
+        return max((self.levels.value(name, last - 1, last, until) for name in angles), default=0.0)
 
     def intervals(self, quantity: str, until: float, known: Reference, at_end: bool = False) -> list[Interval | None]:
         """Return the estimate of the error of each level until an instant (s); None for a level without one."""
-        rounding, places = self.rounding(quantity, until), range(len(self.levels.levels))
+        nudge, count = self.levels.nudge(quantity, until), len(self.levels.levels)
         if quantity in OF_ONE_RUN:
-            values = [self.levels.value(quantity, level, level, until, at_end) for level in places]
-            return [refinement.around(value, 0.0, rounding, self.factor) if known.even else None for value in values]
+            values = [self.levels.value(quantity, level, count - 1, until, at_end) for level in range(count)]
+            return [None if known.kind == "uneven" else refinement.around(one, 0.0, nudge, self.factor) for one in values]
         apart = self.apart(quantity, until, at_end)
-        return [refinement.interval(known, apart, level, rounding, self.factor) for level in places]
+        return [refinement.interval(known, apart, count, level, nudge, self.factor) for level in range(count)]
 
     def of_pair(self, pair: Levels, quantity: str, known: Reference, at_end: bool = False) -> tuple[Interval, Interval]:
         """Return the estimates of the errors of a step that the search tried, and of its finer run, over the whole time.
@@ -145,21 +154,24 @@ class Refined:
         The finer run is not compared with another one: its error is that of the reference, scaled by the order.
         """
         end = float(pair.instants[-1])
-        rounding = self.rounding(quantity, end)
+        nudge = self.levels.nudge(quantity, end)
         if quantity in OF_ONE_RUN:
-            own = [pair.value(quantity, place, place, end, at_end) for place in range(2)]
-            coarse, fine = (refinement.around(value, 0.0, rounding, self.factor) for value in own)
+            own = [pair.value(quantity, place, 1, end, at_end) for place in range(2)]
+            coarse, fine = (refinement.around(value, 0.0, nudge, self.factor) for value in own)
             return coarse, fine
-        ratio = pair.levels[1].timestep / self.levels.levels[known.level].timestep
-        error = known.error * ratio**known.order if known.error else 0.0
         apart = pair.value(quantity, 0, 1, end, at_end)
-        return refinement.around(apart, error, rounding, self.factor), refinement.around(0.0, error, rounding, self.factor)
+        if known.kind == "rounding":
+            size = max(apart, nudge)
+            return Interval(size, 0.0, 4 * size), Interval(size, 0.0, 4 * size)
+        ratio = pair.levels[1].timestep / self.levels.levels[known.level].timestep
+        error = known.error * ratio**known.order
+        return refinement.around(apart, error, nudge, self.factor), refinement.around(0.0, error, nudge, self.factor)
 
 
-def refined(subject: Subject, method: Method, run: Run) -> Refined | Ended:
+def refined(subject: Subject, method: Method, run: Run, order: float = math.inf) -> Refined | Ended:
     """Return the runs of a method with the time step of the file and with coarser and finer ones.
 
-    Return how the run with the own step ended if the engine cannot make it.
+    Return how the run with the own step ended if the engine cannot make it. order: that which the engine claims.
     """
     duration = float(subject.instants[-1])
     coarser = max(0, min(COARSER, math.floor(math.log2(duration / FEWEST_STEPS / method.timestep) + 1e-9)))
@@ -178,7 +190,7 @@ def refined(subject: Subject, method: Method, run: Run) -> Refined | Ended:
         else:
             ended[timestep] = outcome
 
-    known = Refined(method, Levels(subject.instants, subject.scene, ()), ended, 1.0)
+    known = Refined(method, Levels(subject.instants, subject.scene, ()), ended, 1.0, order=order)
     try:
         go(0)
         if 0 not in done and next(iter(ended.values())).status not in ("diverged", "reset"):
@@ -235,7 +247,7 @@ def _resolved(subject: Subject, known: Refined) -> bool:
 def _uneven(subject: Subject, known: Refined) -> bool:
     """Return whether the differences of a compared quantity do not fall evenly."""
     seen = (known.assessed(name, float(subject.instants[-1])) for name in known.levels.quantities if name in subject.compared)
-    return any(isinstance(one, str) or not one.even for one in seen)
+    return any(isinstance(one, str) or one.kind == "uneven" for one in seen)
 
 
 def _with_nudge(subject: Subject, known: Refined, run: Run) -> Refined:
@@ -264,7 +276,7 @@ def searched(subject: Subject, known: Refined, run: Run) -> Refined:
     """
     end = float(subject.instants[-1])
     seen = {name: known.assessed(name, end) for name in known.levels.quantities if name in subject.compared}
-    references = {name: one for name, one in seen.items() if isinstance(one, Reference) and one.even}
+    references = {name: one for name, one in seen.items() if isinstance(one, Reference) and one.kind != "uneven"}
     if known.chaos is not None or len(subject.held) or not seen or len(references) < len(seen):
         return known
     bracket = _bracket(_highs(known, references, end), subject.error)
@@ -320,7 +332,7 @@ def _between(bracket: tuple[_Tried, _Tried], error: float, duration: float) -> i
 
 def _pair(subject: Subject, known: Refined, timestep: float, references: dict[str, Reference], run: Run) -> Levels | None:
     """Return a run with a time step and a finer one; None if one of them does not complete. Raises `NoTime`."""
-    orders = [each.order for each in references.values() if each.error] or [1.0]
+    orders = [each.order for each in references.values() if each.kind == "even"] or [1.0]
     halvings = max(2, min(5, math.ceil(math.log2(PARTNER) / max(refinement.LEAST_ORDER, min(orders)))))
     levels = []
     for coarser, step in ((0, timestep), (1, timestep / 2**halvings)):

@@ -6,7 +6,7 @@ from bodycheck.console.output import say, tell
 from bodycheck.console.tables import Column, attribute, show
 from bodycheck.studies.estimate import wording
 from bodycheck.studies.estimate.distances import AT_END
-from bodycheck.studies.estimate.rows import EstimateRow, Estimates
+from bodycheck.studies.estimate.rows import EstimateRow, Estimates, choices
 
 #: The columns of the table.
 ROWS: tuple[Column[EstimateRow], ...] = (
@@ -26,13 +26,22 @@ ROWS: tuple[Column[EstimateRow], ...] = (
 )
 
 
+def _usual(results: Estimates) -> list[EstimateRow]:
+    """Return the rows of the largest errors with the present step, and with the steps that keep the allowed error."""
+    steps = {(one.engine, one.integrator, one.timestep) for one in choices(results)}
+    steps |= {(engine, *own) for engine, own in results.own.items()}
+    return [
+        row for row in results.rows if (row.engine, row.integrator, row.timestep) in steps and not row.quantity.endswith(AT_END)
+    ]
+
+
 def print_estimates(results: Estimates, view: View) -> None:
-    """Print sentences, and a table of the largest errors over time; a view prints all rows."""
+    """Print sentences, and a table of the present step and of those that keep the allowed error; a view prints all rows."""
     tell(wording.headline(results))
     for sentence in wording.sentences(results):
         if sentence:
             tell(sentence)
-    rows = results.rows if view != AS_USUAL else [row for row in results.rows if not row.quantity.endswith(AT_END)]
+    rows = results.rows if view != AS_USUAL else _usual(results)
     if rows:
         say("")
         show(ROWS, rows, view)

@@ -104,7 +104,7 @@ def _of_quantity(subject: Subject, known: Refined, name: str, reasons: Sequence[
     last = horizons(subject, known, quantity)
     whole = known.assessed(quantity, end)
     at_last = known.assessed(quantity, end, at_end=True) if at_end else whole
-    if isinstance(at_last, str) or not at_last.even:
+    if isinstance(at_last, str) or at_last.kind == "uneven":
         at_last = whole  # the difference at one instant may pass through zero; the largest over time does not
     for place, level in enumerate(known.levels.levels):
         seen = last[place]
@@ -118,7 +118,7 @@ def _of_quantity(subject: Subject, known: Refined, name: str, reasons: Sequence[
         else:
             why = whole if isinstance(whole, str) else whole.reason or "its error is not clear of that of the finest run"
             yield level.timestep, _Judged(None, order, *_none(known, why, reasons), horizon)
-    if known.chaos is None and isinstance(whole, Reference) and isinstance(at_last, Reference):
+    if known.chaos is None and isinstance(whole, Reference) and isinstance(at_last, Reference) and at_last.kind != "uneven":
         for pair in known.pairs:
             yield from _of_pair(known, pair, quantity, at_last, at_end, end)
 
@@ -142,7 +142,7 @@ def _order(reference: Reference, last: Sequence[tuple[float, Interval, Reference
     """Return the order that the estimates of a level and of the next finer one show."""
     here, finer = last[place], last[place + 1] if place + 1 < len(last) else None
     if here is None or finer is None or place >= reference.level or here[0] != finer[0]:
-        return reference.order if reference.even and place >= reference.level else None
+        return reference.order if reference.kind == "even" and place >= reference.level else None
     return refinement.order(here[1].estimate, finer[1].estimate)
 
 

@@ -14,9 +14,11 @@ from it is at least `CLEAR` times as large have an estimate then.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
 
 #: The least order that counts as convergence, and the largest difference of consecutive orders.
-LEAST_ORDER, MOST_CHANGE = 0.6, 0.5
+LEAST_ORDER, MOST_CHANGE = 0.6, 0.35
 
 #: The fewest levels from which an error is estimated.
 FEWEST_LEVELS = 4
@@ -47,16 +49,16 @@ class Reference:
         Its own error.
     order
         The order of the differences; nan if it is not known.
-    even
-        Whether the levels are asymptotic.
+    kind
+        "even" if the levels are asymptotic, "uneven" if they are not, and "rounding" if all differences are due to rounding.
     reason
-        Why they are not, in words.
+        Why the levels are not asymptotic, in words.
     """
 
     level: int
     error: float
     order: float
-    even: bool = True
+    kind: Literal["even", "uneven", "rounding"] = "even"
     reason: str = ""
 
 
@@ -73,10 +75,10 @@ class Interval:
 Differences = Mapping[tuple[int, int], float]
 
 
-def effect_of_rounding(differences: Differences, levels: int, nudge: float, steps: int) -> float:
-    """Return the effect of rounding on the differences between some levels.
+def before_rounding(differences: Differences, levels: int, nudge: float, steps: int) -> int:
+    """Return the number of levels, the coarsest first, whose differences are not due to rounding alone.
 
-    It is that of one rounding, or the size of the finest differences if these no longer fall and may be rounding.
+    The differences of the finest levels are due to rounding if they no longer fall and are as small as rounding makes them.
 
     Parameters
     ----------
@@ -87,13 +89,14 @@ def effect_of_rounding(differences: Differences, levels: int, nudge: float, step
     steps
         The number of steps of the finest run.
     """
-    effect, most = nudge, min(DEPENDENT * nudge * steps, MOST_ROUNDING)
-    for level in range(levels - 2, 0, -1):
-        coarse, fine = differences[level - 1, level], differences[level, level + 1]
-        if fine > most or order(coarse, fine) >= LEAST_ORDER:
+    most = min(DEPENDENT * nudge * steps, MOST_ROUNDING)
+    while levels > 1:
+        fine = differences[levels - 2, levels - 1]
+        falls = levels > 2 and order(differences[levels - 3, levels - 2], fine) >= LEAST_ORDER
+        if fine > most or (falls and fine > nudge):
             break
-        effect = max(effect, fine)
-    return effect
+        levels -= 1
+    return levels
 
 
 def order(coarse: float, fine: float, ratio: float = 2.0) -> float:
@@ -103,96 +106,111 @@ def order(coarse: float, fine: float, ratio: float = 2.0) -> float:
     return math.log(coarse / fine) / math.log(ratio) if coarse > 0 else -math.inf
 
 
-def reference(differences: Differences, levels: int, rounding: float, factor: float) -> Reference | str:
+def reference(
+    differences: Differences, levels: int, nudge: float, steps: int, factor: float, claimed: float = math.inf
+) -> Reference | str:
     """Return the reference of some levels, or the reason in words why there is none.
 
     Parameters
     ----------
-    differences
-        The differences between all levels.
-    levels
-        The number of levels, the coarsest first.
-    rounding
-        The effect of rounding on a difference; smaller differences are zero.
+    differences, levels, nudge, steps
+        As those of `before_rounding`.
     factor
         The safety factor of the interval.
+    claimed
+        The order that the engine claims for the method, above which no order is relied on.
     """
     if levels < FEWEST_LEVELS:
         return f"fewer than {FEWEST_LEVELS} time steps could be compared"
-    if all(differences[index, index + 1] <= rounding for index in range(levels - 1)):
-        return Reference(levels - 1, 0.0, math.nan)
-    for level in range(levels - 1, FEWEST_LEVELS - 2, -1):
-        known = _asymptotic(differences, level, rounding)
-        if known is not None and _agrees(known, differences, levels, rounding, factor):
+    useful = before_rounding(differences, levels, nudge, steps)
+    if useful == 1:
+        return Reference(levels - 1, 0.0, math.nan, "rounding")
+    for level in range(useful - 1, 1, -1):
+        known = _asymptotic(differences, level, useful < levels and level == useful - 1, claimed)
+        if known is not None and _agrees(known, differences, useful, nudge, factor):
             return known
-    last = [differences[index, index + 1] for index in range(levels - FEWEST_LEVELS, levels - 1)]
-    return Reference(levels - 1, UNEVEN * max(last), math.nan, even=False, reason=_why(last, rounding))
+    last = [differences[index, index + 1] for index in range(max(0, useful - FEWEST_LEVELS), useful - 1)]
+    return Reference(useful - 1, UNEVEN * max(last), math.nan, "uneven", _why(last, useful < levels))
 
 
-def _agrees(known: Reference, differences: Differences, levels: int, rounding: float, factor: float) -> bool:
+def _agrees(known: Reference, differences: Differences, levels: int, nudge: float, factor: float) -> bool:
     """Return whether the differences of a reference from finer levels are of the size that its error makes them."""
     most = CONTRADICTION * factor
     for finer in range(known.level + 1, levels):
         expected = known.error * (1 - 2.0 ** (-known.order * (finer - known.level)))
-        if not expected / most - rounding <= differences[known.level, finer] <= expected * most + rounding:
+        if not expected / most - nudge <= differences[known.level, finer] <= expected * most + nudge:
             return False
     return True
 
 
-def _asymptotic(differences: Differences, level: int, rounding: float) -> Reference | None:
-    """Return a level as the reference; None if the three differences above it do not fall as they should."""
-    first, second, third = (differences[index, index + 1] for index in range(level - 3, level))
-    if third <= rounding:
-        # The last difference is rounding alone: the two before it show the order.
-        if second > rounding and order(first, second) >= LEAST_ORDER:
-            return Reference(level, rounding, order(first, second))
+def _asymptotic(differences: Differences, level: int, before_rounding: bool, claimed: float) -> Reference | None:
+    """Return a level as the reference; None if the differences above it do not fall as they should.
+
+    Three differences are needed; two are enough for the last level before rounding.
+    """
+    last = [differences[index, index + 1] for index in range(max(0, level - 3), level)]
+    orders = [order(coarse, fine) for coarse, fine in pairwise(last)]
+    if len(orders) < 2 and not (before_rounding and orders):
         return None
-    orders = order(first, second), order(second, third)
-    if min(orders) < LEAST_ORDER or abs(orders[0] - orders[1]) > MOST_CHANGE:
+    if not all(LEAST_ORDER <= one < math.inf for one in orders):
         return None
-    return Reference(level, third / (2 ** orders[1] - 1), orders[1])
+    if len(orders) == 2 and abs(orders[0] - orders[1]) > MOST_CHANGE * max(1.0, orders[1] / 2):
+        return None
+    relied = min(orders[-1], claimed)
+    return Reference(level, last[-1] / (2**relied - 1), relied)
 
 
-def _why(last: Sequence[float], rounding: float) -> str:
+def _why(last: Sequence[float], before_rounding: bool) -> str:
     """Return in words how the last differences do not fall as they should."""
     numbers = ", ".join(f"{value:.2g}" for value in last)
-    if last[-1] <= rounding:
+    if before_rounding:
         return f"the differences between refinements reach rounding ({numbers}) before they fall evenly"
     return f"the differences between refinements do not fall evenly ({numbers})"
 
 
-def interval(known: Reference, differences: Differences, level: int, rounding: float, factor: float) -> Interval | None:
+def interval(
+    known: Reference, differences: Differences, levels: int, level: int, nudge: float, factor: float
+) -> Interval | None:
     """Return the estimate of the error of a level, and its interval; None if the reference is too uneven for it.
 
     Parameters
     ----------
-    known, differences
-        The reference, and the differences between all levels.
+    known, differences, levels
+        The reference, the differences between all levels, and their number.
     level
         The index of the level.
-    rounding
-        The effect of rounding on the error of the level.
+    nudge
+        The difference that one rounding at the start makes.
     factor
         The safety factor: the ratio of the ends of the interval of the reference to its estimate.
     """
-    if not known.even:
-        apart = differences[level, known.level] if level < known.level else 0.0
-        if apart < CLEAR * known.error:
+    if known.kind == "rounding":
+        near = [differences[one, one + 1] for one in (level - 1, level) if 0 <= one < levels - 1]
+        size = max(nudge, *near)
+        return Interval(size, 0.0, 4 * size)
+    apart = differences[min(level, known.level), max(level, known.level)] if level != known.level else 0.0
+    if known.kind == "uneven":
+        if level > known.level or apart < CLEAR * known.error:
             return None
         width = max(known.error, LEAST_WIDTH * apart)
         return Interval(apart, apart - width, apart + width)
     if level > known.level:
-        smaller = known.error * 2.0 ** (-known.order * (level - known.level)) if known.error else 0.0
-        low = max(0.0, smaller / factor - 2 * rounding)
-        return Interval(max(smaller, rounding), low, factor * smaller + 2 * rounding)
-    apart = differences[level, known.level] if level < known.level else 0.0
-    return around(apart, known.error, rounding, factor)
+        smaller = known.error * 2.0 ** (-known.order * (level - known.level))
+        rounded = max(nudge, apart - known.error + smaller)
+        return Interval(smaller + rounded, max(0.0, smaller / factor - rounded), factor * smaller + 3 * rounded)
+    if level >= known.level - 2:
+        return around(apart, known.error, nudge, factor)
+    width = max(factor * known.error, LEAST_WIDTH * apart) + nudge
+    return Interval(apart, max(0.0, apart - width), apart + width)
 
 
-def around(apart: float, error: float, rounding: float, factor: float) -> Interval:
-    """Return the interval of the error of a run from its difference to a finer one, whose own error is given."""
+def around(apart: float, error: float, nudge: float, factor: float) -> Interval:
+    """Return the interval of the error of a run from its difference to a finer one, whose own error is given.
+
+    Both errors are of one order, so that they add up. nudge: the difference that one rounding at the start makes.
+    """
     estimate = apart + error
-    if estimate <= rounding:
-        return Interval(max(estimate, rounding / 2), 0.0, estimate + 2 * rounding)
+    if estimate <= nudge:
+        return Interval(nudge, 0.0, 4 * nudge)
     width = max((factor - 1) * error, LEAST_WIDTH * estimate)
-    return Interval(estimate, max(0.0, estimate / (1 + width / estimate) - rounding), estimate + width + rounding)
+    return Interval(estimate, max(0.0, estimate / (1 + width / estimate) - nudge), estimate + width + nudge)

@@ -13,7 +13,7 @@ import numpy as np
 
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.file_motion import Controls, FileFacts, FileRun
-from bodycheck.adapters.offers import chosen
+from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
@@ -248,7 +248,7 @@ def _of_method(
     subject = _subject(asked, facts)
     run = partial(_made, asked, name, clock)
     try:
-        known = refined(subject, method, run)
+        known = refined(subject, method, run, _claimed(record, method))
     except NoTime as error:
         return [_nothing(asked, name, record, method, NO_TIME, str(error))], None
     if isinstance(known, Ended):
@@ -256,6 +256,12 @@ def _of_method(
     known = searched(subject, known, run)
     rows = rating.rows(Head(asked.name, name, record.version, method.name), subject, known, asked.quantities)
     return rows or [_nothing(asked, name, record, method, NO_TIME, known.out_of_time or clock.told)], known
+
+
+def _claimed(record: Engine, method: Method) -> float:
+    """Return the order that an engine claims for a method; infinite if it claims none."""
+    integrator = integrator_of(record, method)
+    return math.inf if integrator is None or integrator.order is None else float(integrator.order)
 
 
 def _from_truth(asked: Asked, finest: Motion | None) -> dict[str, tuple[float, float]]:
