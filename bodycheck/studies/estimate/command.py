@@ -9,7 +9,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Json, Out, Quiet, Viewed
+from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
 from bodycheck.errors import BadInput
 
 
@@ -46,6 +46,9 @@ def estimate(
     calibrate: Annotated[
         bool, Parameter(negative="", help="Measure how often intervals are right, on scenes that are drawn anew.")
     ] = False,
+    members: Annotated[int | None, Parameter(help="For --calibrate: the number of scenes of each class.")] = None,
+    seed: Annotated[int, Parameter(help="For --calibrate: the seed of the scenes. Default: 2.")] = 2,
+    jobs: Jobs = None,
     out: Out = None,
     figures: Figures = (),
     json: Json = False,
@@ -64,7 +67,7 @@ def estimate(
     from dataclasses import asdict
 
     from bodycheck.console import tables, terminal
-    from bodycheck.console.arguments import check_has_folder, load_engines
+    from bodycheck.console.arguments import check_has_folder, load_engines, processes
     from bodycheck.console.output import end
     from bodycheck.studies.estimate import calibration, printing
     from bodycheck.studies.estimate.interface import Wanted, carry_out
@@ -73,9 +76,11 @@ def estimate(
     check_has_folder(figures, out)
     tables.check(view, printing.ROWS)
     if calibrate:
+        if seed == calibration.SEED_OF_FACTORS:
+            raise BadInput(f"--seed {seed}: is that of the scenes with which the factors were set; allowed: another one")
         if file or blind or controls is not None or keyframe or quantity or duration is not None:
             raise BadInput("--calibrate: draws its own scenes; give no file and none of its options")
-        return calibration.printed(engine, json=json, quiet=quiet)
+        return calibration.printed(engine, members, seed, processes(jobs), json=json, quiet=quiet)
     if not file:
         raise BadInput("estimate: give the file of a robot or a case, or --calibrate")
     wanted = Wanted(integrator, duration, keyframe, controls, quantity, error, blind, package_path)

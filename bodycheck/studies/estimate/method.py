@@ -68,6 +68,8 @@ class Subject:
         A function from the finest motion to the safety factor of its class.
     held
         The instants at which controls change (k,), s: all time steps must reach them.
+    coarser, most_finer
+        The largest numbers of coarser and of finer levels.
     """
 
     instants: Array
@@ -76,6 +78,8 @@ class Subject:
     compared: tuple[str, ...]
     factor: Callable[[Motion], float]
     held: Array = field(default_factory=lambda: np.empty(0))
+    coarser: int = COARSER
+    most_finer: int = MOST_FINER
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +166,7 @@ class Refined:
         apart = pair.value(quantity, 0, 1, end, at_end)
         if known.kind == "rounding":
             size = max(apart, nudge)
-            return Interval(size, 0.0, 4 * size), Interval(size, 0.0, 4 * size)
+            return refinement.around(0.0, 0.0, size, self.factor), refinement.around(0.0, 0.0, size, self.factor)
         ratio = pair.levels[1].timestep / self.levels.levels[known.level].timestep
         error = known.error * ratio**known.order
         return refinement.around(apart, error, nudge, self.factor), refinement.around(0.0, error, nudge, self.factor)
@@ -174,7 +178,7 @@ def refined(subject: Subject, method: Method, run: Run, order: float = math.inf)
     Return how the run with the own step ended if the engine cannot make it. order: that which the engine claims.
     """
     duration = float(subject.instants[-1])
-    coarser = max(0, min(COARSER, math.floor(math.log2(duration / FEWEST_STEPS / method.timestep) + 1e-9)))
+    coarser = max(0, min(subject.coarser, math.floor(math.log2(duration / FEWEST_STEPS / method.timestep) + 1e-9)))
     done: dict[int, Level] = {}
     ended: dict[float, Ended] = {}
     out_of_time = ""
@@ -200,7 +204,7 @@ def refined(subject: Subject, method: Method, run: Run, order: float = math.inf)
         for exponent in range(1, coarser + 1):
             go(exponent)
         known = _with_nudge(subject, _so_far(subject, known, done), run)
-        for exponent in range(-FINER - 1, -MOST_FINER - 1, -1):
+        for exponent in range(-FINER - 1, -subject.most_finer - 1, -1):
             if known.chaos is not None or _resolved(subject, known) or (-exponent > MOST_UNEVEN and _uneven(subject, known)):
                 break
             go(exponent)

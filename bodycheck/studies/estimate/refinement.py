@@ -20,6 +20,9 @@ from typing import Literal
 #: The least order that counts as convergence, and the largest difference of consecutive orders.
 LEAST_ORDER, MOST_CHANGE = 0.6, 0.35
 
+#: The upper end of the interval of an error that is due to rounding, in terms of the differences that rounding makes.
+ROUNDED = 10.0
+
 #: The fewest levels from which an error is estimated.
 FEWEST_LEVELS = 4
 
@@ -187,7 +190,7 @@ def interval(
     if known.kind == "rounding":
         near = [differences[one, one + 1] for one in (level - 1, level) if 0 <= one < levels - 1]
         size = max(nudge, *near)
-        return Interval(size, 0.0, 4 * size)
+        return Interval(size, 0.0, ROUNDED * size)
     apart = differences[min(level, known.level), max(level, known.level)] if level != known.level else 0.0
     if known.kind == "uneven":
         if level > known.level or apart < CLEAR * known.error:
@@ -197,7 +200,7 @@ def interval(
     if level > known.level:
         smaller = known.error * 2.0 ** (-known.order * (level - known.level))
         rounded = max(nudge, apart - known.error + smaller)
-        return Interval(smaller + rounded, max(0.0, smaller / factor - rounded), factor * smaller + 3 * rounded)
+        return Interval(smaller + rounded, max(0.0, smaller / factor - rounded), factor * smaller + ROUNDED * rounded)
     if level >= known.level - 2:
         return around(apart, known.error, nudge, factor)
     width = max(factor * known.error, LEAST_WIDTH * apart) + nudge
@@ -211,6 +214,6 @@ def around(apart: float, error: float, nudge: float, factor: float) -> Interval:
     """
     estimate = apart + error
     if estimate <= nudge:
-        return Interval(nudge, 0.0, 4 * nudge)
+        return Interval(nudge, 0.0, ROUNDED * nudge)
     width = max((factor - 1) * error, LEAST_WIDTH * estimate)
     return Interval(estimate, max(0.0, estimate / (1 + width / estimate) - nudge), estimate + width + nudge)
