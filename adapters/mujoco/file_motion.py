@@ -35,11 +35,11 @@ def file_facts(file: RobotFile) -> FileFacts:
     """Return the contents of a file on which a run depends, as `FileMotions.file_facts` does."""
     model = _model(file.path)
     names = options.available()
-    own = names[model.opt.integrator]
-    others = [name for name in names if name != own]
+    stated = names[model.opt.integrator]
+    others = [name for name in names if name != stated]
     return FileFacts(
-        method=Method(own, float(model.opt.timestep)),
-        methods=(own, *others),
+        method=Method(stated, float(model.opt.timestep)),
+        methods=(stated, *others),
         actuators=tuple(model.actuator(index).name or f"actuator{index}" for index in range(model.nu)),
         keyframes=tuple(model.key(index).name or f"keyframe{index}" for index in range(model.nkey)),
         conserves=_conserves(model),

@@ -105,11 +105,11 @@ def measured(member: Member) -> Measured | None:
     if known.chaos is not None:
         return Measured()
     quantity = str(rng.choice([name for name in known.levels.quantities if name in PLACES]))
-    place = int(rng.integers(FINER + 1))
-    intervals = list(_intervals(known, quantity, place))
+    index = int(rng.integers(FINER + 1))
+    intervals = list(_intervals(known, quantity, index))
     if not intervals:
         return Measured()
-    error = _error(member, case, known, quantity, place, run)
+    error = _error(member, case, known, quantity, index, run)
     return None if error is None else Measured(*(tuple(ends) for ends in zip(*intervals, strict=True)), error=error)
 
 
@@ -150,7 +150,7 @@ def _method(engine: Engine, scene: AnyScene, rng: np.random.Generator) -> Method
     return Method.parse(str(rng.choice(names)), 0.0).at(step) if names else None
 
 
-def _intervals(known: Refined, quantity: str, place: int) -> Iterator[tuple[float, float]]:
+def _intervals(known: Refined, quantity: str, index: int) -> Iterator[tuple[float, float]]:
     """Yield the ends of the interval of a run with each factor; nothing if it has no estimate with the smallest one."""
     end, count = float(known.levels.instants[-1]), len(known.levels.levels)
     if isinstance(known.assessed(quantity, end), str):
@@ -158,15 +158,15 @@ def _intervals(known: Refined, quantity: str, place: int) -> Iterator[tuple[floa
     apart, nudge = known.apart(quantity, end), known.levels.nudge(quantity, end)
     for factor in TRIED:
         seen = refinement.reference(apart, count, nudge, known.levels.levels[-1].motion.steps, factor, known.order)
-        interval = refinement.interval(seen, apart, count, place, nudge, factor) if isinstance(seen, Reference) else None
+        interval = refinement.interval(seen, apart, count, index, nudge, factor) if isinstance(seen, Reference) else None
         if interval is None and factor == TRIED[0]:
             return
         yield (0.0, math.inf) if interval is None else (interval.low, interval.high)
 
 
-def _error(member: Member, case: Case, known: Refined, quantity: str, place: int, run: Run) -> float | None:
+def _error(member: Member, case: Case, known: Refined, quantity: str, index: int, run: Run) -> float | None:
     """Return the error of a run; None if it is not known."""
-    level = known.levels.levels[place]
+    level = known.levels.levels[index]
     steps = own_steps(case.instants, level.timestep)
     motion = level.motion.part(np.searchsorted(level.steps, steps))
     assert motion.trajectory is not None
@@ -232,7 +232,7 @@ def printed(names: tuple[str, ...], members: int | None, seed: int, jobs: int, *
         count = members or (MEMBERS if kind in WITH_TRUTH else MEMBERS_BY_REFINEMENT)
         seen = samples(engine, kind, seed, count, jobs, quiet)
         shipped = factors.factors()[kind].factor
-        index = min(range(len(TRIED)), key=lambda place: abs(TRIED[place] - shipped))
+        index = min(range(len(TRIED)), key=lambda index: abs(TRIED[index] - shipped))
         named = in_words(engine, record.version)
         rows.append((kind, factor_of(named, seen, index), smallest(kind, named, seen)))
         if not quiet and not json:

@@ -5,12 +5,16 @@ Its imports are inside the function, so that `--help` answers at once.
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
+from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, View, Viewed
 from bodycheck.errors import BadInput
+
+if TYPE_CHECKING:
+    from bodycheck.studies.estimate.interface import Wanted
+    from bodycheck.studies.output import Output
 
 
 def estimate(
@@ -64,13 +68,10 @@ def estimate(
 
     Exit codes: 0 there are results; 1 an engine or method that was named has none, or nothing has; 2 bad input or usage.
     """
-    from dataclasses import asdict
-
-    from bodycheck.console import tables, terminal
-    from bodycheck.console.arguments import check_has_folder, load_engines, processes
-    from bodycheck.console.output import end
+    from bodycheck.console import tables
+    from bodycheck.console.arguments import check_has_folder, processes
     from bodycheck.studies.estimate import calibration, printing
-    from bodycheck.studies.estimate.interface import Wanted, carry_out
+    from bodycheck.studies.estimate.interface import Wanted
     from bodycheck.studies.output import Output
 
     check_has_folder(figures, out)
@@ -84,13 +85,50 @@ def estimate(
     if not file:
         raise BadInput("estimate: give the file of a robot or a case, or --calibrate")
     wanted = Wanted(integrator, duration, keyframe, controls, quantity, error, blind, package_path)
-    engines = load_engines(engine, integrators=integrator)
-    results = carry_out(file, wanted, engines, sys.argv, Output(out, figures, quiet))
+    return _finished(file, wanted, engine, Output(out, figures, quiet), json, view)
+
+
+def estimate_whole(
+    file: str,
+    error: float,
+    quantity: str,
+    engines: tuple[str, ...],
+    integrators: tuple[str, ...],
+    packages: tuple[Path, ...],
+    output: "Output",
+    json: bool,
+    view: View,
+) -> int:
+    """Estimate the errors of the whole scene of a robot's file for `bodycheck recommend`, and return the exit code.
+
+    The parameters are those of both commands. Raises `BadInput` as they do.
+    """
+    from bodycheck.console import tables
+    from bodycheck.studies.estimate import printing
+    from bodycheck.studies.estimate.interface import Wanted
+
+    tables.check(view, printing.ROWS)
+    wanted = Wanted(integrators, quantity=quantity, error=error, packages=packages)
+    return _finished(file, wanted, engines, output, json, view)
+
+
+def _finished(file: str, wanted: "Wanted", engine: tuple[str, ...], output: "Output", json: bool, view: View) -> int:
+    """Make a study, print its results, and return the exit code."""
+    from dataclasses import asdict
+
+    from bodycheck.console import terminal
+    from bodycheck.console.arguments import load_engines
+    from bodycheck.console.output import end
+    from bodycheck.studies.estimate import printing
+    from bodycheck.studies.estimate.interface import carry_out
+
+    engines = load_engines(engine, integrators=wanted.integrators)
+    results = carry_out(file, wanted, engines, sys.argv, output)
     if json:
         terminal.print_json([asdict(row) for row in results.rows])
-    elif not quiet:
+    elif not output.quiet:
         printing.print_estimates(results.estimates, view)
-    return end(results.decision, out, json=json, quiet=quiet)
+    return end(results.decision, output.folder, json=json, quiet=output.quiet)
 
 
 #: The commands of the study.

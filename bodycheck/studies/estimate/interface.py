@@ -184,10 +184,10 @@ def carry_out(given: OneCase, wanted: Wanted, engines: Engines, command: Sequenc
 
 def without_unsupported(estimates: Estimates) -> Estimates:
     """Return results without the engines that cannot run the file, unless none can."""
-    can = {engine: own for engine, own in estimates.own.items() if own[0]}
+    can = {engine: method for engine, method in estimates.present.items() if method[0]}
     if not can:
         return estimates
-    return replace(estimates, own=can, rows=tuple(row for row in estimates.rows if row.engine in can))
+    return replace(estimates, present=can, rows=tuple(row for row in estimates.rows if row.engine in can))
 
 
 def _measurement(row: EstimateRow) -> Mapping[str, Any]:

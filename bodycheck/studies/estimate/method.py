@@ -160,8 +160,8 @@ class Refined:
         end = float(pair.instants[-1])
         nudge = self.levels.nudge(quantity, end)
         if quantity in OF_ONE_RUN:
-            own = [pair.value(quantity, place, 1, end, at_end) for place in range(2)]
-            coarse, fine = (refinement.around(value, 0.0, nudge, self.factor) for value in own)
+            drifts = [pair.value(quantity, index, 1, end, at_end) for index in range(2)]
+            coarse, fine = (refinement.around(value, 0.0, nudge, self.factor) for value in drifts)
             return coarse, fine
         apart = pair.value(quantity, 0, 1, end, at_end)
         if known.kind == "rounding":
@@ -222,7 +222,7 @@ def _reaches(held: Array, timestep: float) -> bool:
 def _so_far(subject: Subject, known: Refined, done: dict[int, Level]) -> Refined:
     """Return the runs so far: the completed levels from the finest on that follow one another."""
     exponents = sorted(done)
-    consecutive = [exponent for place, exponent in enumerate(exponents) if exponent == exponents[0] + place]
+    consecutive = [exponent for index, exponent in enumerate(exponents) if exponent == exponents[0] + index]
     levels = tuple(done[exponent] for exponent in reversed(consecutive))
     factor = subject.factor(levels[-1].motion) if levels else 1.0
     stray = tuple(done[exponent] for exponent in reversed(exponents) if exponent not in consecutive)
@@ -232,13 +232,13 @@ def _so_far(subject: Subject, known: Refined, done: dict[int, Level]) -> Refined
 
 def _resolved(subject: Subject, known: Refined) -> bool:
     """Return whether the error of each compared quantity is known, and small beside that of the own step or the allowed one."""
-    own = next((place for place, one in enumerate(known.levels.levels) if one.timestep == known.method.timestep), None)
+    present = next((index for index, one in enumerate(known.levels.levels) if one.timestep == known.method.timestep), None)
     for quantity in (name for name in known.levels.quantities if name in subject.compared):
         seen = known.assessed(quantity, float(subject.instants[-1]))
-        if isinstance(seen, str) or own is None:
+        if isinstance(seen, str) or present is None:
             return False
         intervals = known.intervals(quantity, float(subject.instants[-1]), seen)
-        first, finest = intervals[own], intervals[-1]
+        first, finest = intervals[present], intervals[-1]
         if first is None or finest is None:
             return False
         if finest.low > 0 and finest.estimate > RESOLVED * first.estimate:
@@ -360,9 +360,9 @@ def horizons(subject: Subject, known: Refined, quantity: str) -> list[tuple[floa
     for until in tried.tolist():
         seen = known.assessed(quantity, until)
         if isinstance(seen, Reference):
-            for place, interval in enumerate(known.intervals(quantity, until, seen)):
-                if last[place] is None and interval is not None:
-                    last[place] = until, interval, seen
+            for index, interval in enumerate(known.intervals(quantity, until, seen)):
+                if last[index] is None and interval is not None:
+                    last[index] = until, interval, seen
         if all(one is not None for one in last):
             break
     return last

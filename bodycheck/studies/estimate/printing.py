@@ -29,7 +29,7 @@ ROWS: tuple[Column[EstimateRow], ...] = (
 def _usual(results: Estimates) -> list[EstimateRow]:
     """Return the rows of the largest errors with the present step, and with the steps that keep the allowed error."""
     steps = {(one.engine, one.integrator, one.timestep) for one in choices(results)}
-    steps |= {(engine, *own) for engine, own in results.own.items()}
+    steps |= {(engine, *method) for engine, method in results.present.items()}
     return [
         row for row in results.rows if (row.engine, row.integrator, row.timestep) in steps and not row.quantity.endswith(AT_END)
     ]

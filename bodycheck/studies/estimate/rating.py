@@ -106,14 +106,14 @@ def _of_quantity(subject: Subject, known: Refined, name: str, reasons: Sequence[
     at_last = known.assessed(quantity, end, at_end=True) if at_end else whole
     if isinstance(at_last, str) or at_last.kind == "uneven":
         at_last = whole  # the difference at one instant may pass through zero; the largest over time does not
-    for place, level in enumerate(known.levels.levels):
-        seen = last[place]
-        horizon, order = (None, None) if seen is None else (seen[0], _order(seen[2], last, place))
+    for index, level in enumerate(known.levels.levels):
+        seen = last[index]
+        horizon, order = (None, None) if seen is None else (seen[0], _order(seen[2], last, index))
         if known.chaos is not None:
-            interval = None if seen is None else _until(known, quantity, place, seen, at_end)
+            interval = None if seen is None else _until(known, quantity, index, seen, at_end)
             yield level.timestep, _Judged(interval, order, *_chaotic(known.chaos, horizon), horizon)
         elif seen is not None and seen[0] == end and isinstance(at_last, Reference):
-            interval = known.intervals(quantity, end, at_last, at_end)[place] or seen[1]
+            interval = known.intervals(quantity, end, at_last, at_end)[index] or seen[1]
             yield level.timestep, _Judged(interval, order, ESTIMATE, ROUNDED if interval.low == 0 else "", end)
         else:
             why = whole if isinstance(whole, str) else whole.reason or "its error is not clear of that of the finest run"
@@ -123,9 +123,9 @@ def _of_quantity(subject: Subject, known: Refined, name: str, reasons: Sequence[
             yield from _of_pair(known, pair, quantity, at_last, at_end, end)
 
 
-def _until(known: Refined, quantity: str, place: int, seen: tuple[float, Interval, Reference], at_end: bool) -> Interval | None:
+def _until(known: Refined, quantity: str, index: int, seen: tuple[float, Interval, Reference], at_end: bool) -> Interval | None:
     """Return the estimate of the error of a level until its horizon, or that at the horizon."""
-    return known.intervals(quantity, seen[0], seen[2], at_end)[place] if at_end else seen[1]
+    return known.intervals(quantity, seen[0], seen[2], at_end)[index] if at_end else seen[1]
 
 
 def _of_pair(
@@ -138,11 +138,11 @@ def _of_pair(
         yield level.timestep, _Judged(interval, order, ESTIMATE, SCALED if scaled else "", end)
 
 
-def _order(reference: Reference, last: Sequence[tuple[float, Interval, Reference] | None], place: int) -> float | None:
+def _order(reference: Reference, last: Sequence[tuple[float, Interval, Reference] | None], index: int) -> float | None:
     """Return the order that the estimates of a level and of the next finer one show."""
-    here, finer = last[place], last[place + 1] if place + 1 < len(last) else None
-    if here is None or finer is None or place >= reference.level or here[0] != finer[0]:
-        return reference.order if reference.kind == "even" and place >= reference.level else None
+    here, finer = last[index], last[index + 1] if index + 1 < len(last) else None
+    if here is None or finer is None or index >= reference.level or here[0] != finer[0]:
+        return reference.order if reference.kind == "even" and index >= reference.level else None
     return refinement.order(here[1].estimate, finer[1].estimate)
 
 

@@ -147,7 +147,7 @@ class Estimates:
     ----------
     file, duration, error, compared
         As in `About`.
-    own
+    present
         For each engine the method and the time step (s) of the file.
     kinds
         For each engine the class of the scene.
@@ -163,7 +163,7 @@ class Estimates:
     duration: float
     error: float
     compared: tuple[str, ...]
-    own: dict[str, tuple[str, float]]
+    present: dict[str, tuple[str, float]]
     kinds: dict[str, str]
     rows: tuple[EstimateRow, ...]
     apart: dict[str, dict[str, tuple[float, float]]]
@@ -174,7 +174,7 @@ def joined(about: About, engines: Sequence[OfEngine], spread: Sequence[tuple[str
     """Return the results of all engines as one, with the differences between pairs of them."""
     return Estimates(
         *(about.file, about.duration, about.error, about.compared),
-        own={one.engine: (one.integrator, one.timestep) for one in engines},
+        present={one.engine: (one.integrator, one.timestep) for one in engines},
         kinds={one.engine: one.kind for one in engines},
         rows=tuple(row for one in engines for row in one.rows),
         apart={one.engine: one.apart for one in engines if one.apart},

@@ -226,16 +226,16 @@ def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Motio
             row = _nothing(asked, name, record, Method("", 0.0), *_verdict_of(facts))
             return OfEngine(name, "", 0.0, "", (row,), {}), None
         rows: list[EstimateRow] = []
-        own: Refined | None = None
+        first: Refined | None = None
         end = clock.end
-        for place, spelling in enumerate(facts.methods):
+        for index, spelling in enumerate(facts.methods):
             now = time.monotonic()
-            clock.end = now + (end - now) / (len(facts.methods) - place)
+            clock.end = now + (end - now) / (len(facts.methods) - index)
             method = Method.parse(spelling, 0.0).at(facts.method.timestep)
             of_method, known = _of_method(asked, name, record, clock, facts, method)
             rows += of_method
-            own = own or known
-    finest = own.levels.levels[-1].motion if own is not None and own.levels.levels else None
+            first = first or known
+    finest = first.levels.levels[-1].motion if first is not None and first.levels.levels else None
     kind = "" if finest is None else _kind(asked, facts, finest)
     apart = _from_truth(asked, finest)
     return OfEngine(name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart), finest

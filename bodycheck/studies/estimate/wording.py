@@ -30,7 +30,7 @@ WITHOUT = {
 
 def headline(results: Estimates) -> str:
     """Return the sentence that says what the numbers are: estimates, of the engine's own limit."""
-    engines = listing([name.split("@")[0] for name in results.own]) or "no engine"
+    engines = listing([name.split("@")[0] for name in results.present]) or "no engine"
     return (
         f"{results.file}, {number(results.duration)} s: the errors are estimates, of the own limit of {engines} as h → 0; what "
         "the model itself is worth is not asked."
@@ -40,7 +40,7 @@ def headline(results: Estimates) -> str:
 def sentences(results: Estimates) -> Iterator[str]:
     """Yield sentences on each engine: its own step, the cheapest one, where it breaks, coverage, and other engines."""
     chosen = choices(results)
-    for engine, (integrator, timestep) in results.own.items():
+    for engine, (integrator, timestep) in results.present.items():
         rows = [row for row in results.rows if row.engine == engine]
         if not integrator:
             yield f"{in_words(engine, rows[0].version)}: {rows[0].reason}."
@@ -54,17 +54,17 @@ def sentences(results: Estimates) -> Iterator[str]:
 
 
 def own_step(results: Estimates, rows: Sequence[EstimateRow], integrator: str, timestep: float) -> str:
-    """Return a sentence on what the own step of the file costs in error."""
-    own = [
+    """Return a sentence on what the present step costs in error."""
+    present = [
         row for row in rows if row.integrator == integrator and row.timestep == timestep and not row.quantity.endswith(AT_END)
     ]
-    step = f"{in_words(rows[0].engine, rows[0].version)} {integrator} at {milliseconds(timestep, 4)}, the step of the file"
-    if not own:
+    step = f"{in_words(rows[0].engine, rows[0].version)} {integrator} at {milliseconds(timestep, 4)}, the present step"
+    if not present:
         return f"{step}, was not run."
-    known = [row for row in own if row.verdict == ESTIMATE and row.estimate is not None]
+    known = [row for row in present if row.verdict == ESTIMATE and row.estimate is not None]
     if known:
         return f"{step}, costs {listing([_error(row) for row in known])} over {number(results.duration)} s."
-    row = next((row for row in own if row.quantity in results.compared), own[0])
+    row = next((row for row in present if row.quantity in results.compared), present[0])
     if row.verdict.startswith(CHAOTIC):
         until = "" if row.estimate is None else f"; until {number(row.horizon)} s it costs {_error(row)}"
         return f"{step}, is {row.verdict} s{until}."
@@ -81,15 +81,15 @@ def _error(row: EstimateRow) -> str:
     return " ".join(filter(None, (number(row.estimate, 3), interval, quantity.unit, f"of {quantity.title.lower()}")))
 
 
-def cheapest(results: Estimates, chosen: Sequence[Choice], row: EstimateRow, own: float) -> str:
+def cheapest(results: Estimates, chosen: Sequence[Choice], row: EstimateRow, present: float) -> str:
     """Return a sentence on the cheapest method and step of an engine that keep the allowed error."""
     allowed = number(results.error)
     if not chosen:
         return f"No step of {row.engine} that was tried keeps {allowed}."
     best, *others = chosen
     speed = f"{number(1 / best.cost, 2)} times as fast as real time" if best.cost < 1 else "slower than real time"
-    ratio = best.timestep / own
-    steps = f"{number(ratio, 3)} times the step of the file" if ratio >= 1 else f"{number(1 / ratio, 3)} times as many steps"
+    ratio = best.timestep / present
+    steps = f"{number(ratio, 3)} times the present step" if ratio >= 1 else f"{number(1 / ratio, 3)} times as many steps"
     second = f" The next is {_method(others[0])} at {number(others[0].cost / best.cost, 2)} times the cost." if others else ""
     return (
         f"To keep {allowed}, the cheapest is {_method(best)}, {steps}: at most {number(best.high, 3)}, at "
@@ -104,9 +104,9 @@ def _method(choice: Choice) -> str:
 def breaks(rows: Sequence[EstimateRow]) -> Iterator[str]:
     """Yield a sentence for each method on the smallest step with which it fails, and the largest with which it completes."""
     for integrator in dict.fromkeys(row.integrator for row in rows):
-        own = [row for row in rows if row.integrator == integrator]
-        failed = [row for row in own if row.verdict in (DIVERGED, RESET)]
-        stable = [row.timestep for row in own if row.verdict not in (DIVERGED, RESET, NO_TIME, UNSUPPORTED)]
+        of_method = [row for row in rows if row.integrator == integrator]
+        failed = [row for row in of_method if row.verdict in (DIVERGED, RESET)]
+        stable = [row.timestep for row in of_method if row.verdict not in (DIVERGED, RESET, NO_TIME, UNSUPPORTED)]
         if failed:
             first = min(failed, key=lambda row: row.timestep)
             below = max((step for step in stable if step < first.timestep), default=None)
@@ -136,8 +136,8 @@ def apart(results: Estimates, engine: str) -> Iterator[str]:
 def spread(results: Estimates) -> Iterator[str]:
     """Yield a sentence on the differences between the limits of engines, which are differences of models."""
     for (one, other), differences in results.spread.items():
-        told = [
+        texts = [
             f"{number(value, 3)} {QUANTITIES[name].unit} of {QUANTITIES[name].title.lower()}".replace("  ", " ")
             for name, value in differences.items()
         ]
-        yield f"The limits of {one} and {other} differ by {listing(told)}: a difference of models, not of time steps."
+        yield f"The limits of {one} and {other} differ by {listing(texts)}: a difference of models, not of time steps."
