@@ -92,7 +92,8 @@ def _opened(folders: Folders, include: Element, near: Path) -> tuple[Path, Eleme
 
 def _copy_fields(root: Element, folders: Folders, origins: dict[Element, Path], into: Path) -> frozenset[Element]:
     """Copy the files of height fields, and return the elements that name the copies. Raises `BadInput`."""
-    below, kept = mjcf_meshes.folder(root), set()
+    below = mjcf_meshes.folder(root)
+    kept: set[Element] = set()
     for element in root.everything():
         if local(element.tag) != "hfield" or "file" not in element.attributes:
             continue

@@ -23,6 +23,7 @@ from bodycheck.console import terminal
 from bodycheck.console.arguments import load_engines
 from bodycheck.console.output import say
 from bodycheck.console.progress import progress
+from bodycheck.errors import BadInput
 from bodycheck.processes import pool
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -226,6 +227,8 @@ def printed(names: tuple[str, ...], members: int | None, seed: int, jobs: int, *
     members: the number of members of each class; None for those of the documentation. Return the exit code: 1 if the coverage
     of a class is less than it should be.
     """
+    if seed == SEED_OF_FACTORS:
+        raise BadInput(f"--seed {seed}: is that of the scenes with which the factors were set; allowed: another one")
     (engine, record), *_ = load_engines(names or ("mujoco",)).records.items()
     rows = []
     for kind in KINDS:

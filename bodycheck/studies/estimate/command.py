@@ -77,8 +77,6 @@ def estimate(
     check_has_folder(figures, out)
     tables.check(view, printing.ROWS)
     if calibrate:
-        if seed == calibration.SEED_OF_FACTORS:
-            raise BadInput(f"--seed {seed}: is that of the scenes with which the factors were set; allowed: another one")
         if file or blind or controls is not None or keyframe or quantity or duration is not None:
             raise BadInput("--calibrate: draws its own scenes; give no file and none of its options")
         return calibration.printed(engine, members, seed, processes(jobs), json=json, quiet=quiet)
