@@ -78,7 +78,7 @@ class FileRun:
     times
         The instants (n,), s, at which the motion is sampled, in ascending order: multiples of the time step.
     keyframe
-        The name of the keyframe in which the run starts; empty for the initial state of the file.
+        The name of the keyframe in which the run starts; empty for the first one, or the initial state if the file has none.
     controls
         The controls; None for those of the keyframe, or zero.
     nudged

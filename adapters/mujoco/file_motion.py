@@ -100,11 +100,11 @@ def _conserves(model: mujoco.MjModel) -> bool:
 def _start(model: mujoco.MjModel, run: FileRun) -> mujoco.MjData:
     """Return the data of the start of a run. Raises `MotionRefused` for a keyframe that there is not."""
     data = mujoco.MjData(model)
-    if run.keyframe:
-        names = [model.key(index).name or f"keyframe{index}" for index in range(model.nkey)]
-        if run.keyframe not in names:
-            raise MotionRefused(f"there is no keyframe {run.keyframe!r}; there are: {', '.join(names) or 'none'}")
-        mujoco.mj_resetDataKeyframe(model, data, names.index(run.keyframe))
+    names = [model.key(index).name or f"keyframe{index}" for index in range(model.nkey)]
+    if run.keyframe and run.keyframe not in names:
+        raise MotionRefused(f"there is no keyframe {run.keyframe!r}; there are: {', '.join(names) or 'none'}")
+    if names:
+        mujoco.mj_resetDataKeyframe(model, data, names.index(run.keyframe) if run.keyframe else 0)
         data.time = 0.0
     if run.nudged:
         data.qpos[:], data.qvel[:] = nudged(data.qpos), nudged(data.qvel)

@@ -5,6 +5,7 @@ A scene is a case, of which the truth is not used, or the file of a robot that t
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ from bodycheck.reference.scene import EulerRates, Scene, State
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.results.outcome import Completed, Diverged
 from bodycheck.running.simulation import ended_by, motion_in
+
+#: A tuple of numbers.
+Numbers = TypeVar("Numbers", bound=tuple[float, ...])
 
 
 @dataclass(frozen=True)
@@ -176,9 +180,9 @@ def nudged_scene(scene: AnyScene) -> AnyScene:
     """Return a scene whose initial coordinates and velocities are larger by one rounding."""
     if isinstance(scene, Scene):
         state = scene.initial
-        return replace(
-            scene, initial=State(*map(_nudged, (state.position, state.quaternion, state.velocity, state.angular_velocity)))
-        )
+        position, velocity = _nudged(state.position), _nudged(state.velocity)
+        moved = State(position, _nudged(state.quaternion), velocity, _nudged(state.angular_velocity))
+        return replace(scene, initial=moved)
     return replace(scene, bodies=tuple(map(_nudged_body, scene.bodies)), joints=tuple(map(_nudged_joint, scene.joints)))
 
 
@@ -200,5 +204,5 @@ def _nudged_joint(joint: Joint) -> Joint:
     return replace(joint, start=_nudged(joint.start), start_velocity=_nudged(joint.start_velocity))
 
 
-def _nudged(values: tuple[float, ...]) -> tuple[float, ...]:
-    return tuple(nudged(values).tolist())
+def _nudged(values: Numbers) -> Numbers:
+    return cast(Numbers, tuple(nudged(values).tolist()))

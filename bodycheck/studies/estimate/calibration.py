@@ -34,7 +34,7 @@ from bodycheck.running.refining import Ended, Motion, RunCase, run_case
 from bodycheck.studies.estimate import factors, refinement
 from bodycheck.studies.estimate.distances import PLACES, differences
 from bodycheck.studies.estimate.factors import KINDS, Factor, Kind
-from bodycheck.studies.estimate.levels import own_steps
+from bodycheck.studies.estimate.levels import instants_of, own_steps
 from bodycheck.studies.estimate.method import ERROR, FINER, Refined, Run, Subject, refined
 from bodycheck.studies.estimate.refinement import Reference
 
@@ -59,8 +59,11 @@ SEED_OF_FACTORS = 1
 #: The ratio of the time step of a run to that of the run whose distance is its error.
 FINER_BY = 64
 
-#: The longest duration (s) of a member, the time step (s) about which its own is drawn, and the time limit (s) of a member.
-LONGEST, TIMESTEP, LIMIT = 2.0, 2e-3, 120.0
+#: The longest duration (s) of a member, and the time step (s) about which its own is drawn.
+LONGEST, TIMESTEP = 2.0, 2e-3
+
+#: The number of members that one call measures, and the time limit (s) of a call.
+IN_PORTION, LIMIT = 25, 1200.0
 
 #: The share of intervals that factors are set for, in classes with a truth and in others, and the factors that are tried.
 SHARE, SHARE_BY_REFINEMENT = 0.97, 0.93
@@ -78,12 +81,28 @@ class Member:
 
 
 @dataclass(frozen=True)
+class Portion:
+    """Consecutive members of a class, which one call measures: the class, the seed, and the numbers of the members."""
+
+    engine: str
+    kind: Kind
+    seed: int
+    numbers: range
+
+
+@dataclass(frozen=True)
 class Measured:
     """What was measured of a member: for each factor of `TRIED` the interval and the error; empty if there is no estimate."""
 
     low: tuple[float, ...] = ()
     high: tuple[float, ...] = ()
     error: float = math.nan
+
+
+def portion(asked: Portion) -> list[Measured]:
+    """Return what was measured of the members of a portion; those that cannot be run are left out."""
+    members = (Member(asked.engine, asked.kind, asked.seed, number) for number in asked.numbers)
+    return [one for one in map(measured, members) if one is not None]
 
 
 def measured(member: Member) -> Measured | None:
@@ -111,7 +130,8 @@ def measured(member: Member) -> Measured | None:
     if not intervals:
         return Measured()
     error = _error(member, case, known, quantity, index, run)
-    return None if error is None else Measured(*(tuple(ends) for ends in zip(*intervals, strict=True)), error=error)
+    low, high = zip(*intervals, strict=True)
+    return None if error is None else Measured(tuple(low), tuple(high), error)
 
 
 def drawn(case: Case, rng: np.random.Generator) -> Case:
@@ -179,8 +199,8 @@ def _error(member: Member, case: Case, known: Refined, quantity: str, index: int
         finer = replace(motion, trajectory=exact)
     else:
         step = level.timestep / FINER_BY
-        outcome = run(known.method.at(step), steps * FINER_BY * step, False)
-        if isinstance(outcome, Ended):
+        outcome = run(known.method.at(step), instants_of(steps * FINER_BY, step), False)
+        if isinstance(outcome, Ended) or outcome.trajectory is None:
             return None
         finer = replace(outcome, t=motion.t, trajectory=replace(outcome.trajectory, t=motion.t))
     return float(np.nanmax(differences(case.scene, motion, finer)[quantity]))
@@ -204,21 +224,22 @@ def smallest(kind: Kind, engine: str, members: Sequence[Measured]) -> Factor:
 
 def samples(engine: str, kind: Kind, seed: int, count: int, jobs: int, quiet: bool) -> list[Measured]:
     """Return what was measured of the members of a class."""
-    members = [Member(engine, kind, seed, number) for number in range(count)]
+    portions = [
+        Portion(engine, kind, seed, range(first, min(count, first + IN_PORTION))) for first in range(0, count, IN_PORTION)
+    ]
     done = []
     with (
-        pool.Workers(measured, jobs, LIMIT, group=lambda member: member.engine, home=_home) as workers,
+        pool.Workers(portion, jobs, LIMIT, group=_engine, home=engines.home) as workers,
         progress(kind, count, quiet) as advance,
     ):
-        for _, answer in workers.map(members):
-            done += [answer] if isinstance(answer, Measured) else []
-            advance(kind)
+        for asked, answer in workers.map(portions):
+            done += answer if isinstance(answer, list) else []
+            advance(kind, len(asked.numbers))
     return done
 
 
-def _home(engine: str) -> pool.Home:
-    """Return the home of processes that run members: truths start threads, which affect no later call."""
-    return replace(engines.home(engine), watched=False)
+def _engine(asked: Portion) -> str:
+    return asked.engine
 
 
 def printed(names: tuple[str, ...], members: int | None, seed: int, jobs: int, *, json: bool, quiet: bool) -> int:

@@ -1,7 +1,6 @@
 """The safety factors of intervals, one for each class of scenes, as they were measured, and the class of a scene."""
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -62,7 +61,8 @@ def factors() -> dict[Kind, Factor]:
 def of_case(scene: AnyScene) -> Kind:
     """Return the class of the scene of a case."""
     if touches(scene) or scene.plane is not None:
-        bounces = any(law.restitution > 0 for law in _laws(scene))
+        laws = scene.contact_laws if isinstance(scene, Mechanism) else (scene.plane,)
+        bounces = any(law is not None and law.restitution > 0 for law in laws)
         return "impacts" if bounces else "soft contact"
     if isinstance(scene, Mechanism):
         if any(joint.stops is not None for joint in scene.joints):
@@ -72,12 +72,6 @@ def of_case(scene: AnyScene) -> Kind:
         if scene.controllers:
             return "driven"
     return "driven" if scene.pushes else "smooth"
-
-
-def _laws(scene: AnyScene) -> Sequence[object]:
-    if isinstance(scene, Mechanism):
-        return scene.contact_laws
-    return () if scene.plane is None else (scene.plane,)
 
 
 def of_file(motion: Motion, driven: bool, friction: bool) -> Kind:

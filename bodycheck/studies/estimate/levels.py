@@ -45,6 +45,11 @@ def sampled_steps(instants: Array, timestep: float, coarser: int, factor: int = 
     return np.unique(np.concatenate([own_steps(instants, timestep * ratio) * ratio for ratio in ratios]))
 
 
+def instants_of(steps: Steps, timestep: float) -> Array:
+    """Return the instants (m,), s, after numbers of steps (m,) of a size (s)."""
+    return steps.astype(np.float64) * timestep
+
+
 @dataclass(frozen=True, eq=False)
 class Level:
     """A run that completed. steps: the numbers of steps (m,) after which it was sampled."""
@@ -79,7 +84,7 @@ class Levels:
 
     def times(self, level: int) -> Array:
         """Return the instants (m,), s, at which a level is compared."""
-        return own_steps(self.instants, self.levels[level].timestep) * self.levels[level].timestep
+        return instants_of(own_steps(self.instants, self.levels[level].timestep), self.levels[level].timestep)
 
     def series(self, coarse: int, fine: int) -> Mapping[str, Array]:
         """Return the differences (m,) of two levels at the instants of the coarser one, by quantities."""
@@ -105,7 +110,7 @@ class Levels:
         steps = own_steps(self.instants, level.timestep)
         here = np.searchsorted(level.steps, steps)
         seen = differences(self.scene, level.motion.part(here), nudged.part(here))
-        return steps * level.timestep, {name: values for name, values in seen.items() if name not in OF_ONE_RUN}
+        return instants_of(steps, level.timestep), {name: values for name, values in seen.items() if name not in OF_ONE_RUN}
 
     def value(self, quantity: str, coarse: int, fine: int, until: float, at_end: bool = False) -> float:
         """Return the largest difference of two levels until an instant (s), or that at the last instant until then."""

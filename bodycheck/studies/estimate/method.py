@@ -15,7 +15,7 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.running.refining import Ended, Motion
 from bodycheck.studies.estimate import refinement
 from bodycheck.studies.estimate.distances import ANGLES, OF_ONE_RUN, PLACES
-from bodycheck.studies.estimate.levels import Level, Levels, sampled_steps
+from bodycheck.studies.estimate.levels import Level, Levels, instants_of, sampled_steps
 from bodycheck.studies.estimate.refinement import Interval, Reference
 
 #: The error (rad or m) that is allowed if none is named, and from which on the difference that one rounding makes is chaos.
@@ -188,7 +188,7 @@ def refined(subject: Subject, method: Method, run: Run, order: float = math.inf)
         if exponent > 0 and not _reaches(subject.held, timestep):
             return
         steps = sampled_steps(subject.instants, timestep, coarser - exponent)
-        outcome = run(method.at(timestep), steps * timestep, False)
+        outcome = run(method.at(timestep), instants_of(steps, timestep), False)
         if isinstance(outcome, Motion):
             done[exponent] = Level(timestep, steps, outcome)
         else:
@@ -262,7 +262,7 @@ def _with_nudge(subject: Subject, known: Refined, run: Run) -> Refined:
     if not known.levels.levels:
         return known
     finest = known.levels.levels[-1]
-    nudged = run(known.method.at(finest.timestep), finest.steps * finest.timestep, True)
+    nudged = run(known.method.at(finest.timestep), instants_of(finest.steps, finest.timestep), True)
     if isinstance(nudged, Ended):
         return known
     levels = replace(known.levels, nudged=(finest, nudged))
@@ -341,7 +341,7 @@ def _pair(subject: Subject, known: Refined, timestep: float, references: dict[st
     levels = []
     for coarser, step in ((0, timestep), (1, timestep / 2**halvings)):
         steps = sampled_steps(subject.instants, step, coarser, 2**halvings)
-        outcome = run(known.method.at(step), steps * step, False)
+        outcome = run(known.method.at(step), instants_of(steps, step), False)
         if isinstance(outcome, Ended):
             return None
         levels.append(Level(step, steps, outcome))

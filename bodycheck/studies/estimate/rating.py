@@ -56,8 +56,8 @@ def rows(head: Head, subject: Subject, known: Refined, wanted: Sequence[str]) ->
     for timestep, why in known.ended.items():
         judged[timestep] = [(name, _Judged(None, None, *_ended(why.status, why.reason), None)) for name in names or [""]]
     for level in (*known.stray, *(() if known.levels.quantities else known.levels.levels)):
-        verdict, reason = _unmatched(known)
-        judged[level.timestep] = [(name, _Judged(None, None, verdict, reason, None)) for name in names or [""]]
+        unmatched = _Judged(None, None, *_unmatched(known), None)
+        judged[level.timestep] = [(name, unmatched) for name in names or [""]]
     return [
         _row(head, timestep, name, one, cost)
         for timestep in sorted(judged, reverse=True)
@@ -74,10 +74,13 @@ def seconds_per_step(known: Refined) -> float | None:
 
 def _row(head: Head, timestep: float, quantity: str, judged: _Judged, cost: float | None) -> EstimateRow:
     interval = judged.interval
+    order = judged.order if judged.order is not None and np.isfinite(judged.order) else None
     return EstimateRow(
         *(head.file, head.engine, head.version, head.integrator, timestep, quantity),
-        *((None, None, None) if interval is None else (interval.estimate, interval.low, interval.high)),
-        order=judged.order if judged.order is not None and np.isfinite(judged.order) else None,
+        estimate=None if interval is None else interval.estimate,
+        low=None if interval is None else interval.low,
+        high=None if interval is None else interval.high,
+        order=order,
         verdict=judged.verdict,
         reason=judged.reason,
         horizon=judged.horizon,

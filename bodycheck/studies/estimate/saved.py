@@ -18,7 +18,7 @@ def read(folder: Path) -> StudyReport:
     contents, header = reading.finished(folder / RECORDS)
     about = records.typed(About, contents.header["about"])
     engines = [records.typed(OfEngine, record["engine"]) for record in contents.records if record["record"] == "engine"]
-    spread = next((record["spread"] for record in contents.records if record["record"] == "spread"), [])
+    spread: object = next((record["spread"] for record in contents.records if record["record"] == "spread"), [])
     results = joined(about, engines, records.typed(list[tuple[str, str, dict[str, float]]], spread))
     if sorted(map(repr, reading.rows(folder, ROWS))) != sorted(map(repr, results.rows)):
         raise BadFolder(f"{folder}: damaged: {ROWS.file} does not list the same runs as {RECORDS}")
