@@ -179,7 +179,8 @@ def _intervals(known: Refined, quantity: str, index: int) -> Iterator[tuple[floa
     apart, nudge = known.apart(quantity, end), known.levels.nudge(quantity, end)
     for factor in TRIED:
         seen = refinement.reference(apart, count, nudge, known.levels.levels[-1].motion.steps, factor, known.order)
-        interval = refinement.interval(seen, apart, count, index, nudge, factor) if isinstance(seen, Reference) else None
+        rounding = refinement.accumulated(nudge, known.levels.levels[index].motion.steps)
+        interval = refinement.interval(seen, apart, count, index, rounding, factor) if isinstance(seen, Reference) else None
         if interval is None and factor == TRIED[0]:
             return
         yield (0.0, math.inf) if interval is None else (interval.low, interval.high)

@@ -146,11 +146,14 @@ class Refined:
     def intervals(self, quantity: str, until: float, known: Reference, at_end: bool = False) -> list[Interval | None]:
         """Return the estimate of the error of each level until an instant (s); None for a level without one."""
         nudge, count = self.levels.nudge(quantity, until), len(self.levels.levels)
+        roundings = [refinement.accumulated(nudge, level.motion.steps) for level in self.levels.levels]
         if quantity in OF_ONE_RUN:
-            values = [self.levels.value(quantity, level, count - 1, until, at_end) for level in range(count)]
-            return [None if known.kind == "uneven" else refinement.around(one, 0.0, nudge, self.factor) for one in values]
+            drifts = [self.levels.value(quantity, level, count - 1, until, at_end) for level in range(count)]
+            if known.kind == "uneven":
+                return [None] * count
+            return [refinement.around(one, 0.0, rounding, self.factor) for one, rounding in zip(drifts, roundings, strict=True)]
         apart = self.apart(quantity, until, at_end)
-        return [refinement.interval(known, apart, count, level, nudge, self.factor) for level in range(count)]
+        return [refinement.interval(known, apart, count, level, roundings[level], self.factor) for level in range(count)]
 
     def of_pair(self, pair: Levels, quantity: str, known: Reference, at_end: bool = False) -> tuple[Interval, Interval]:
         """Return the estimates of the errors of a step that the search tried, and of its finer run, over the whole time.
@@ -158,7 +161,7 @@ class Refined:
         The finer run is not compared with another one: its error is that of the reference, scaled by the order.
         """
         end = float(pair.instants[-1])
-        nudge = self.levels.nudge(quantity, end)
+        nudge = refinement.accumulated(self.levels.nudge(quantity, end), pair.levels[1].motion.steps)
         if quantity in OF_ONE_RUN:
             drifts = [pair.value(quantity, index, 1, end, at_end) for index in range(2)]
             coarse, fine = (refinement.around(value, 0.0, nudge, self.factor) for value in drifts)

@@ -23,6 +23,9 @@ LEAST_ORDER, MOST_CHANGE = 0.6, 0.35
 #: The upper end of the interval of an error that is due to rounding, in terms of the differences that rounding makes.
 ROUNDED = 10.0
 
+#: The effect of rounding in a run of n steps is that of one rounding at its start times 1 plus this times sqrt(n).
+ACCUMULATED = 0.1
+
 #: The fewest levels from which an error is estimated.
 FEWEST_LEVELS = 4
 
@@ -76,6 +79,11 @@ class Interval:
 
 #: The differences between levels by the indices of the coarser and of the finer one.
 Differences = Mapping[tuple[int, int], float]
+
+
+def accumulated(nudge: float, steps: int) -> float:
+    """Return the effect of rounding in a run of some steps. nudge: the difference that one rounding at the start makes."""
+    return nudge * (1 + ACCUMULATED * math.sqrt(steps))
 
 
 def before_rounding(differences: Differences, levels: int, nudge: float, steps: int) -> int:
@@ -172,7 +180,7 @@ def _why(last: Sequence[float], before_rounding: bool) -> str:
 
 
 def interval(
-    known: Reference, differences: Differences, levels: int, level: int, nudge: float, factor: float
+    known: Reference, differences: Differences, levels: int, level: int, rounding: float, factor: float
 ) -> Interval | None:
     """Return the estimate of the error of a level, and its interval; None if the reference is too uneven for it.
 
@@ -182,14 +190,14 @@ def interval(
         The reference, the differences between all levels, and their number.
     level
         The index of the level.
-    nudge
-        The difference that one rounding at the start makes.
+    rounding
+        The effect of rounding in its run.
     factor
         The safety factor: the ratio of the ends of the interval of the reference to its estimate.
     """
     if known.kind == "rounding":
         near = [differences[one, one + 1] for one in (level - 1, level) if 0 <= one < levels - 1]
-        size = max(nudge, *near)
+        size = max(rounding, *near)
         return Interval(size, 0.0, ROUNDED * size)
     apart = differences[min(level, known.level), max(level, known.level)] if level != known.level else 0.0
     if known.kind == "uneven":
@@ -199,21 +207,21 @@ def interval(
         return Interval(apart, apart - width, apart + width)
     if level > known.level:
         smaller = known.error * 2.0 ** (-known.order * (level - known.level))
-        rounded = max(nudge, apart - known.error + smaller)
+        rounded = max(rounding, apart - known.error + smaller)
         return Interval(smaller + rounded, max(0.0, smaller / factor - rounded), factor * smaller + ROUNDED * rounded)
     if level >= known.level - 2:
-        return around(apart, known.error, nudge, factor)
-    width = max(factor * known.error, LEAST_WIDTH * apart) + nudge
+        return around(apart, known.error, rounding, factor)
+    width = max(factor * known.error, LEAST_WIDTH * apart) + rounding
     return Interval(apart, max(0.0, apart - width), apart + width)
 
 
-def around(apart: float, error: float, nudge: float, factor: float) -> Interval:
+def around(apart: float, error: float, rounding: float, factor: float) -> Interval:
     """Return the interval of the error of a run from its difference to a finer one, whose own error is given.
 
-    Both errors are of one order, so that they add up. nudge: the difference that one rounding at the start makes.
+    Both errors are of one order, so that they add up. rounding: the effect of rounding in the runs.
     """
     estimate = apart + error
-    if estimate <= nudge:
-        return Interval(nudge, 0.0, ROUNDED * nudge)
+    if estimate <= rounding:
+        return Interval(rounding, 0.0, ROUNDED * rounding)
     width = max((factor - 1) * error, LEAST_WIDTH * estimate)
-    return Interval(estimate, max(0.0, estimate / (1 + width / estimate) - nudge), estimate + width + nudge)
+    return Interval(estimate, max(0.0, estimate / (1 + width / estimate) - rounding), estimate + width + rounding)
