@@ -92,7 +92,7 @@ class Portion:
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured of a member: for each factor of `TRIED` the interval and the error; empty if there is no estimate."""
+    """The interval of a member for each factor of `TRIED`, and its error; empty if there is no estimate."""
 
     low: tuple[float, ...] = ()
     high: tuple[float, ...] = ()

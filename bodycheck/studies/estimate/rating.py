@@ -22,7 +22,7 @@ SCALED = "the error follows from that of other time steps by the order"
 
 @dataclass(frozen=True)
 class Head:
-    """What all rows of a method have in common: the names of the file and of the engine, its version, and the method."""
+    """The part that all rows of a method have in common: the names of file and engine, its version, and the method."""
 
     file: str
     engine: str
@@ -32,7 +32,7 @@ class Head:
 
 @dataclass(frozen=True)
 class _Judged:
-    """What a row says of its error."""
+    """The statement of a row on its error."""
 
     interval: Interval | None
     order: float | None

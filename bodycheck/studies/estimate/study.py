@@ -155,7 +155,7 @@ class _Clock:
 
     @property
     def told(self) -> str:
-        """What was done in the time."""
+        """The number of runs that were made in the time, as a sentence without a full stop."""
         return f"the time of {TIME_BUDGET_S:g} s is used up after {self.runs} runs"
 
 

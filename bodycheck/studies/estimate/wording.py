@@ -119,7 +119,11 @@ def breaks(rows: Sequence[EstimateRow]) -> Iterator[str]:
 def coverage(kind: str) -> str:
     """Return a sentence on how often intervals of a class of scenes are right."""
     known = next((one for name, one in factors().items() if name == kind), None)
-    return "" if known is None else f"The intervals of this class ({kind}): {known.told}, in {known.engine}."
+    if known is None:
+        return ""
+    if not known.sample:
+        return f"How often the intervals of this class ({kind}) are right is not measured yet."
+    return f"An interval of this class ({kind}) {known.told}, in {known.engine}."
 
 
 def apart(results: Estimates, engine: str) -> Iterator[str]:
