@@ -67,11 +67,13 @@ def row(record: dict[str, Any]) -> tuple[str, str]:
     if "rows" not in record or not record["own"][0]:
         why = record.get("refused") or record.get("failed") or record["rows"][0]["reason"]
         return "not read", f"| {name} | | | | | not read: {why.splitlines()[0][:120]} | {seconds} |"
+    if not any(row["quantity"] for row in record["rows"]):
+        return "nothing moves", f"| {name} | | {1e3 * record['own'][1]:g} | | | no body can move | {seconds} |"
     present = {row["quantity"]: row for row in record["rows"] if row["timestep"] == record["own"][1]}
     angle, length = present.get(ANGLE), present.get(LENGTH)
     shown = angle or length or next(iter(present.values()))
     cells = [name, record["kind"], f"{1e3 * record['own'][1]:g}", _interval(angle), _interval(length), _verdict(shown)]
-    return _verdict(shown).partition(" ")[0], f"| {' | '.join(cells)} | {seconds} |"
+    return shown["verdict"].partition(" ")[0], f"| {' | '.join(cells)} | {seconds} |"
 
 
 def _interval(of_quantity: dict[str, Any] | None) -> str:

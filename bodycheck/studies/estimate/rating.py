@@ -95,6 +95,8 @@ def _ended(status: str, reason: str) -> tuple[str, str]:
 
 def _unmatched(known: Refined) -> tuple[str, str]:
     """Return the verdict and the reason of a run that cannot be compared with a finer one."""
+    if len(known.levels.levels) > 1 and not known.levels.quantities:
+        return UNSUPPORTED, "no body of the scene can move"
     if known.out_of_time:
         return NO_TIME, known.out_of_time
     return NOT_ASYMPTOTIC, "no run with half the time step completed, with which it could be compared"
