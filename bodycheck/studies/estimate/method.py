@@ -30,6 +30,9 @@ FINER, MOST_FINER, MOST_UNEVEN = 3, 9, 6
 #: The angle (rad) between the two finest runs from which on no difference between runs shows an order.
 FAR = 0.3
 
+#: The part of the allowed error below which differences between all runs do not matter to a search.
+NEGLIGIBLE = 0.1
+
 #: The largest number of instants that are tried as the end of the time until which there is an estimate.
 MOST_INSTANTS = 200
 
@@ -282,7 +285,10 @@ def searched(subject: Subject, known: Refined, run: Run) -> Refined:
     no search where the differences do not fall evenly.
     """
     end = float(subject.instants[-1])
-    seen = {name: known.assessed(name, end) for name in known.levels.quantities if name in subject.compared}
+    last = len(known.levels.levels) - 1
+    names = [name for name in known.levels.quantities if name in subject.compared]
+    relevant = [name for name in names if known.levels.value(name, 0, last, end) > NEGLIGIBLE * subject.error]
+    seen = {name: known.assessed(name, end) for name in relevant}
     references = {name: one for name, one in seen.items() if isinstance(one, Reference) and one.kind != "uneven"}
     if known.chaos is not None or len(subject.held) or not seen or len(references) < len(seen):
         return known

@@ -79,7 +79,8 @@ def test_every_run_has_a_row_for_the_largest_error_and_for_that_at_the_end(tumbl
 def test_a_step_that_keeps_the_error_has_a_row(tumbling: EstimateResults) -> None:
     kept = [row for row in rows_of(tumbling, "attitude_error") if row.high is not None and row.high <= 1e-5]
     broken = [row for row in rows_of(tumbling, "attitude_error") if row.high is not None and row.high > 1e-5]
-    assert min(row.timestep for row in broken) / max(row.timestep for row in kept) <= 1.1
+    # The search ends after a few steps, or when no number of steps is left between two; the ladder alone has a ratio of 2.
+    assert min(row.timestep for row in broken) / max(row.timestep for row in kept) <= 1.25
 
 
 def test_a_chaotic_scene_is_chaotic_beyond_an_instant() -> None:
@@ -120,7 +121,7 @@ def test_the_table_has_the_columns_in_their_order(tmp_path: Path) -> None:
 def test_the_first_keyframe_is_the_start_and_controls_act(tmp_path: Path) -> None:
     path, controls = tmp_path / "pendulum.xml", tmp_path / "controls.csv"
     path.write_text(PENDULUM)
-    controls.write_text("t,push\n0,0\n0.5,3\n")
+    controls.write_text("t,push\n0,1\n0.5,3\n")
     free = bodycheck.estimate(path, engine="mujoco", integrator="Euler", quantity="joint_position_error")
     named = bodycheck.estimate(path, engine="mujoco", integrator="Euler", quantity="joint_position_error", keyframe="raised")
     driven = bodycheck.estimate(path, engine="mujoco", integrator="Euler", quantity="joint_position_error", controls=controls)
