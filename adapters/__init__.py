@@ -11,7 +11,8 @@
 - `touching` describes bodies that touch a plane or each other, and checks that a body lies flat on its plane.
 - `mechanisms` converts bodies on joints to the forms that engines take, and `mechanism_models` builds larger models of them.
 - `attitudes` converts states of engines that step along the principal axes, and attitudes that are rotation vectors.
-- `robot_files` and `robot_numbers` contain functions that the readers of robot models share.
+- `robot_numbers` contains functions that the readers of robot models share; `file_motion` is the contract of engines that run a
+  whole scene from a robot's file.
 - `quiet` keeps the output of C code from the terminal.
 - Every folder contains the adapter of one engine, as its module `engine`; the docstring of the folder describes the methods.
 """

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from bodycheck.studies.audit.interface import AuditResults, audit
     from bodycheck.studies.contact.interface import ContactResults, contact
     from bodycheck.studies.ensemble.interface import EnsembleResults, ensemble
+    from bodycheck.studies.estimate.interface import EstimateResults, estimate
     from bodycheck.studies.extremes.interface import ExtremesResults, extremes
     from bodycheck.studies.parity.interface import ParityResults, parity
     from bodycheck.studies.recommend.interface import RecommendResults, recommend
@@ -45,6 +46,7 @@ __all__ = [
     "ContactResults",
     "Discrepancy",
     "EnsembleResults",
+    "EstimateResults",
     "ExtremesResults",
     "Failed",
     "ParityResults",
@@ -61,6 +63,7 @@ __all__ = [
     "compare",
     "contact",
     "ensemble",
+    "estimate",
     "export",
     "extremes",
     "load",
@@ -93,6 +96,8 @@ HOMES = {
     "TradeoffResults": "studies.tradeoff.interface",
     "recommend": "studies.recommend.interface",
     "RecommendResults": "studies.recommend.interface",
+    "estimate": "studies.estimate.interface",
+    "EstimateResults": "studies.estimate.interface",
     "extremes": "studies.extremes.interface",
     "ExtremesResults": "studies.extremes.interface",
     "audit": "studies.audit.interface",

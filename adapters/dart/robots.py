@@ -29,8 +29,7 @@ import numpy as np
 from bodycheck.adapters.attitudes import rotation_vector
 from bodycheck.adapters.dart.bodies import pose as isometry
 from bodycheck.adapters.quiet import overheard, refusal
-from bodycheck.adapters.robot_files import mimics
-from bodycheck.adapters.robot_numbers import components, finite, pose, vector
+from bodycheck.adapters.robot_numbers import components, finite, mimics, pose, vector
 from bodycheck.adapters.robot_reading import (
     FormatUnknown,
     JointStates,

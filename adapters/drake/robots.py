@@ -37,8 +37,7 @@ from pydrake.multibody.tree import (
 from pydrake.systems.analysis import Simulator
 
 from bodycheck.adapters.quiet import refusal
-from bodycheck.adapters.robot_files import floating_joints, mimics, on_root, places_on_root
-from bodycheck.adapters.robot_numbers import components, finite, pose, vector
+from bodycheck.adapters.robot_numbers import components, finite, floating_joints, mimics, on_root, places_on_root, pose, vector
 from bodycheck.adapters.robot_reading import JointStates, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.robots.model import Mimic

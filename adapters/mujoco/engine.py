@@ -29,6 +29,7 @@ from bodycheck.adapters.mujoco import (
     bodies,
     contact,
     exporting,
+    file_motion,
     gripping,
     mechanism_xml,
     mechanisms,
@@ -112,6 +113,7 @@ calls = CALLS
 
 interface_loads, read_robot, compiled = touching.interface_loads, robots.read_robot, robots.compiled
 step_robot = robot_steps.step_robot
+file_facts, run_file = file_motion.file_facts, file_motion.run_file
 lacking, prepare_sensing = sensing.lacking, sensing.prepare_sensing
 
 

@@ -30,8 +30,17 @@ from sapien.wrapper.urdf_exporter import export_kinematic_chain_urdf
 from sapien.wrapper.urdf_loader import URDFLoader
 
 from bodycheck.adapters.quiet import overheard, refusal
-from bodycheck.adapters.robot_files import floating_joints, on_root, places_on_root
-from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, vector
+from bodycheck.adapters.robot_numbers import (
+    along,
+    components,
+    finite,
+    floating_joints,
+    matrix,
+    on_root,
+    places_on_root,
+    pose,
+    vector,
+)
 from bodycheck.adapters.robot_reading import (
     FormatUnknown,
     JointStates,

@@ -2,20 +2,28 @@
 
 https://mujoco.readthedocs.io/en/stable/XMLreference.html. Included files replace the elements that include them. Textures,
 skins, plug-ins and the sizes of memory are removed, because no term of the equations of motion depends on them; a height field
-is made flat. A mesh that carries no inertia is replaced by a small mesh, so that references to it stay valid. Bodies and joints
-without names get names.
+is made flat. The copy of a whole scene keeps height fields and the sizes of its arrays, and has no plug-ins. A mesh that
+carries no inertia is replaced by a small mesh, so that references to it stay valid. Bodies and joints without names get names.
 """
 
 from functools import partial
 from pathlib import Path
 
 from bodycheck.errors import BadInput
+from bodycheck.files import reading, writing
 from bodycheck.robots import elements, mjcf_assembly, mjcf_meshes
 from bodycheck.robots.elements import Element, place, quoted, refuse
 from bodycheck.robots.named_files import Folders, NotFound, Removed, local, remove
 
-#: Elements that are removed.
+#: Elements that are removed, and those of them that the copy of a whole scene keeps.
 UNWANTED = {"texture", "skin", "plugin", "extension", "size", "layer"}
+OF_SCENES = {"size"}
+
+#: The attributes of sizes that allocate memory, which a whole scene gets as it needs it.
+MEMORY = ("memory", "njmax", "nconmax", "nstack")
+
+#: The largest size of the file of a height field.
+MAX_FIELD_BYTES = 64 << 20
 
 
 def prepare(
@@ -55,12 +63,18 @@ def prepare(
             refuse(element, None, "brings another model, which is not read here; write its bodies into this one")
         if tag == "flexcomp" and "file" in element.attributes:
             refuse(element, "file", "brings a deformable body, which is not read here")
-        if tag == "hfield":
+        if tag == "hfield" and not needed.whole:
             _flatten(element, removed)
+        if tag == "plugin" and needed.whole:
+            refuse(element, None, "needs a plug-in, and none is loaded for files of robots")
+        if tag == "size":
+            element.attributes = {name: value for name, value in element.attributes.items() if name not in MEMORY}
     mjcf_assembly.name(root)
     origins = {element: path.parent for element, path in paths.items()}
-    kept = mjcf_meshes.prepare(root, folders, origins, into, removed, needed, absent)
-    remove(root, lambda element: local(element.tag) in UNWANTED, kept, removed)
+    fields = _copy_fields(root, folders, origins, into) if needed.whole else frozenset()
+    kept = fields | mjcf_meshes.prepare(root, folders, origins, into, removed, needed, absent)
+    unwanted = UNWANTED - OF_SCENES if needed.whole else UNWANTED
+    remove(root, lambda element: local(element.tag) in unwanted, kept, removed)
 
 
 def _opened(folders: Folders, include: Element, near: Path) -> tuple[Path, Element]:
@@ -74,6 +88,30 @@ def _opened(folders: Folders, include: Element, near: Path) -> tuple[Path, Eleme
         return path, elements.read(path)
     except BadInput as error:
         raise BadInput(f"{place(include, 'file')}: {error}") from error
+
+
+def _copy_fields(root: Element, folders: Folders, origins: dict[Element, Path], into: Path) -> frozenset[Element]:
+    """Copy the files of height fields, and return the elements that name the copies. Raises `BadInput`."""
+    below = mjcf_meshes.folder(root)
+    kept: set[Element] = set()
+    for element in root.everything():
+        if local(element.tag) != "hfield" or "file" not in element.attributes:
+            continue
+        name = element.attributes["file"]
+        element.attributes.setdefault("name", Path(name.replace("\\", "/")).stem)
+        try:
+            path = folders.find(name, (folders.home / below, origins[element] / below, folders.home))
+            data = reading.content(path, MAX_FIELD_BYTES)
+        except NotFound as error:
+            refuse(element, "file", f"{quoted(name)} {error}")
+        except reading.Refused as error:
+            refuse(element, "file", f"{quoted(name)}: {error.reason}")
+        except OSError as error:
+            refuse(element, "file", f"{quoted(name)} cannot be read: {error.strerror}")
+        element.attributes["file"] = f"field-{len(kept)}{'.png' if path.suffix.lower() == '.png' else '.bin'}"
+        writing.write(into / element.attributes["file"], data)
+        kept.add(element)
+    return frozenset(kept)
 
 
 def _flatten(hfield: Element, removed: Removed) -> None:

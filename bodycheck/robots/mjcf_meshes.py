@@ -26,10 +26,21 @@ SMALL = {"vertex": "0 0 0 1 0 0 0 1 0 0 0 1", "scale": "1 1 1"}
 
 @dataclass(frozen=True)
 class Needed:
-    """The meshes that a copy of a model needs: a function from the root of the model to their names, and what they do."""
+    """The files that a copy of a model needs.
+
+    Attributes
+    ----------
+    names
+        A function from the root of the model to the names of the meshes.
+    what
+        What these meshes do, for messages.
+    whole
+        Whether everything that acts on the motion of the whole scene is needed: also height fields and sizes, and no plug-ins.
+    """
 
     names: Callable[[Element], set[str]]
     what: str
+    whole: bool = False
 
 
 def prepare(
@@ -67,7 +78,7 @@ def prepare(
         A mesh that is needed is not inside the folders, is too large, or is not one of the kinds in `SUFFIXES`.
     """
     copied = needed.names(root)
-    below, stripped = _folder(root), _stripped(root)
+    below, stripped = folder(root), _stripped(root)
     kept: set[Element] = set()
     room = MAX_BYTES
     for mesh in _meshes(root):
@@ -119,7 +130,7 @@ def _compilers(root: Element, attribute: str) -> list[str]:
     ]
 
 
-def _folder(root: Element) -> str:
+def folder(root: Element) -> str:
     """Return the path of the folder of meshes, relative to the folder of the model."""
     folders = _compilers(root, "meshdir") or _compilers(root, "assetdir")
     return folders[-1] if folders else ""
@@ -173,8 +184,9 @@ def of_shapes(root: Element) -> set[str]:
     return {element.attributes.get("mesh", "") for element in root.everything() if local(element.tag) == "geom"}
 
 
-#: The meshes that carry inertia, and those of all shapes, which may touch.
+#: The meshes that carry inertia, those of all shapes, which may touch, and everything that acts on a motion.
 INERTIAL, TOUCHING = Needed(carriers, "carries inertia"), Needed(of_shapes, "may touch others")
+WHOLE = Needed(of_shapes, TOUCHING.what, whole=True)
 
 
 def _plain_obj(content: bytes) -> bytes:

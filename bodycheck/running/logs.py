@@ -156,10 +156,11 @@ def no_faults(names: Sequence[str]) -> list[str]:
     return []
 
 
-def columns_of(path: Path, faults_of: Callable[[Sequence[str]], list[str]] = no_faults) -> dict[str, Array]:
+def columns_of(path: Path, faults_of: Callable[[Sequence[str]], list[str]] = no_faults, fewest: int = 2) -> dict[str, Array]:
     """Return the columns of a file by their names; all numbers are finite. Raises `BadInput` with all faults of the file.
 
-    faults_of: returns the faults of the names of the columns, which are reported together with those of the numbers.
+    faults_of: returns the faults of the names of the columns, which are reported together with those of the numbers. fewest:
+    the fewest instants.
     """
     try:
         text = reading.content(path, MAX_BYTES, follow=True).decode("utf-8-sig")
@@ -188,8 +189,8 @@ def columns_of(path: Path, faults_of: Callable[[Sequence[str]], list[str]] = no_
         raise BadInput(f"{path}:{rows.line_num}: is no CSV: {error}") from error
     _refuse(path, faults)
     instants = len(values) // max(1, len(set(bodies)))
-    if not 2 <= instants <= MAX_INSTANTS:
-        raise BadInput(f"{path}: has {instants} instants; allowed: 2 to {MAX_INSTANTS}")
+    if not fewest <= instants <= MAX_INSTANTS:
+        raise BadInput(f"{path}: has {instants} instants; allowed: {fewest} to {MAX_INSTANTS}")
     columns = dict(zip((name for name in names if name != BODY), np.array(values).T, strict=True))
     return columns if of_body is None else _of_bodies(path, columns, bodies, instants)
 

@@ -135,6 +135,24 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, t
 
     The times are those of `bodycheck.running.instants.sampling_times`.
     """
+    outcome = motion_in(adapter, engine, scene, method, times)
+    if not isinstance(outcome, Completed):
+        return outcome
+    given = given_to_engines(scene, times)
+    if isinstance(adapter, ContactTerms) and (terms := adapter.contact_terms(given, method)):
+        outcome = replace(outcome, contact_terms=terms)
+    if touches(scene) and isinstance(adapter, InterfaceLoads):
+        return replace(outcome, interfaces=_interfaces(adapter, scene, given, method, outcome))
+    if slides(scene) and isinstance(adapter, ContactLoad):
+        return replace(outcome, load=_load(adapter, scene, method, outcome))
+    return outcome
+
+
+def motion_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, times: Array) -> Outcome:
+    """Return the outcome of a run without loads of contacts; the times (n,), in s, are multiples of a fixed time step.
+
+    Raises whatever the engine raises.
+    """
     if times[-1] == 0:
         return NO_STEP
     named = in_words(engine, adapter.engine.version)
@@ -153,14 +171,6 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, t
     if isinstance(outcome, Diverged):
         integrator = offers.integrator_of(adapter.engine, method)
         return explained(outcome, scene, method, None if integrator is None else integrator.order)
-    if not isinstance(outcome, Completed):
-        return outcome
-    if isinstance(adapter, ContactTerms) and (terms := adapter.contact_terms(given, method)):
-        outcome = replace(outcome, contact_terms=terms)
-    if touches(scene) and isinstance(adapter, InterfaceLoads):
-        return replace(outcome, interfaces=_interfaces(adapter, scene, given, method, outcome))
-    if slides(scene) and isinstance(adapter, ContactLoad):
-        return replace(outcome, load=_load(adapter, scene, method, outcome))
     return outcome
 
 

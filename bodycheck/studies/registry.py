@@ -11,7 +11,10 @@ import inspect
 from typing import Any
 
 #: The folders of the studies, in the order in which their commands are listed.
-STUDIES = ["tradeoff", "recommend", "extremes", "ensemble", "ablation", "audit", "parity", "contact", "sensors", "releases"]
+STUDIES = [
+    *("tradeoff", "recommend", "estimate", "extremes", "ensemble", "ablation"),
+    *("audit", "parity", "contact", "sensors", "releases"),
+]
 
 
 def is_plain(study: str) -> bool:

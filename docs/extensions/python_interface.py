@@ -16,6 +16,8 @@ TOPICS = {
         "TradeoffResults",
         "recommend",
         "RecommendResults",
+        "estimate",
+        "EstimateResults",
         "extremes",
         "ExtremesResults",
         "ensemble",

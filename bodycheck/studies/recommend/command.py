@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from bodycheck.casefile.robot_notes import Ignored
 from bodycheck.console.options import (
     AS_THEY_ARE,
     AS_USUAL,
@@ -22,6 +23,7 @@ from bodycheck.console.options import (
     Quiet,
     Viewed,
 )
+from bodycheck.errors import BadInput
 
 if TYPE_CHECKING:
     from bodycheck.studies.recommend.rows import Recommendation
@@ -36,6 +38,13 @@ def recommend(
     engine: Engines = (),
     integrator: Integrators = (),
     robots: OfRobots = AS_THEY_ARE,
+    without: Annotated[
+        tuple[Ignored, ...],
+        Parameter(
+            help="A part that is left out of a robot's file, so that the rest has a truth, as --ignore does. Without this, the "
+            "whole scene is run as the engine loads it, and its error is an estimate. May be given several times."
+        ),
+    ] = (),
     reuse: Annotated[
         Path | None,
         Parameter(help="A folder with results of `tradeoff` or `run`; steps that were measured there are not measured again."),
@@ -53,6 +62,8 @@ def recommend(
     10 %, from a tenth of the duration down to 100,000 steps. All is measured, nothing is extrapolated. The tables are
     recommend.csv and steps.csv. An interrupted search resumes when it is run again with the same --out.
 
+    The whole of a robot's file has no truth: its errors are estimated as by `bodycheck estimate`, and the first line says so.
+
     Exit codes: 0 a method was found; 1 no method keeps the error, an engine failed, or a named engine or method has no result;
     2 bad input or usage.
 
@@ -67,19 +78,27 @@ def recommend(
         The figure whose error is limited: attitude, position, energy, angular_momentum, or the name of a figure in the tables
         of results. Default: attitude.
     """
-    from dataclasses import asdict
+    from dataclasses import asdict, replace
 
+    from bodycheck.casefile.robots.loading import is_robot
     from bodycheck.console import tables
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
     from bodycheck.console.output import end
     from bodycheck.running.named import of_search
+    from bodycheck.studies.estimate.command import estimate_whole
     from bodycheck.studies.output import Output
     from bodycheck.studies.recommend import printing, study
     from bodycheck.studies.recommend.interface import carry_out
 
     check_has_folder(figures, out)
+    kept = replace(robots, ignore=tuple(dict.fromkeys((*robots.ignore, *without))))
+    if is_robot(case) and not kept.ignore:
+        if reuse is not None:
+            raise BadInput("--reuse: is for cases and for robots' files with --without, whose errors are measured from a truth")
+        output = Output(out, figures, quiet)
+        return estimate_whole(case, error, quantity, engine, integrator, robots.package_path, output, json, view)
     tables.check(view, printing.ANSWERS)
-    loaded = load_case(case, robots)
+    loaded = load_case(case, kept)
     engines = load_engines(engine, integrators=integrator)
     planned = study.prepare(loaded, engines.records, integrator, quantity, error)
     recommendation = carry_out(planned, engines, sys.argv, processes(jobs), Output(out, figures, quiet), reuse).found

@@ -1,0 +1,101 @@
+"""The differences between two motions of one scene, by the figures of results that mean the same.
+
+Of a case, they are computed by the formulas of the figures, with the finer run in the place of the truth. Of a file, they have
+the same definitions: the largest over all bodies or joints at each instant.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.figures.columns import FIGURES
+from bodycheck.figures.definition import Comparison
+from bodycheck.reference.bounds import NAMES, Bounds
+from bodycheck.reference.kinematics import geodesic_angle, normalise
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.planar import Stop
+from bodycheck.reference.scenes import Scenes
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truths import distance
+from bodycheck.running.refining import Motion
+
+#: The quantities that are estimated if none is named, and those that may be named.
+USUAL = ("attitude_error", "position_error", "joint_position_error", "joint_slide_error", "energy_drift")
+NAMED = (*USUAL, "velocity_error", "angular_velocity_error", "energy_error")
+
+#: The quantities that are compared with `--error` if none is named: angles and lengths.
+PLACES = USUAL[:4]
+
+#: The quantities that are angles.
+ANGLES = ("attitude_error", "joint_position_error")
+
+#: The end of the name of a quantity at the last instant, where that without it is the largest over time.
+AT_END = "_at_end"
+
+#: Short names of quantities.
+SHORT = {"attitude": "attitude_error", "position": "position_error", "energy": "energy_drift"}
+
+#: The quantities of one run alone: their exact value is zero.
+OF_ONE_RUN = ("energy_drift",)
+
+
+@dataclass(frozen=True, eq=False)
+class Finer:
+    """A finer run in the place of the exact motion of a scene."""
+
+    scene: AnyScene | Scenes
+    trajectory: Trajectory
+
+    @property
+    def bounds(self) -> Bounds:
+        """Bounds of zero: what the finer run is worth is estimated by refinement."""
+        return Bounds(*(np.zeros(len(self.trajectory.t)) for _ in NAMES))
+
+    @property
+    def stop(self) -> Stop | None:
+        """None, since no stop is compared."""
+        return None
+
+
+def differences(scene: AnyScene | None, coarse: Motion, fine: Motion) -> dict[str, Array]:
+    """Return the differences (n,) of two motions at the same instants, by the names of quantities.
+
+    scene: the scene of a case; None for a file.
+    """
+    if coarse.trajectory is not None and fine.trajectory is not None and scene is not None:
+        return _of_case(scene, coarse.trajectory, fine.trajectory)
+    return _of_file(coarse, fine)
+
+
+def _of_case(scene: AnyScene, coarse: Trajectory, fine: Trajectory) -> dict[str, Array]:
+    compared = Comparison(Finer(scene, fine), coarse)
+    series = {name: FIGURES[name].compute(compared) for name in NAMED}
+    return {name: values for name, values in series.items() if isinstance(values, np.ndarray)}
+
+
+def _of_file(coarse: Motion, fine: Motion) -> dict[str, Array]:
+    series = {
+        "attitude_error": _turned(coarse.quaternion, fine.quaternion),
+        "position_error": distance(coarse.position, fine.position),
+        "joint_position_error": np.concatenate(
+            [np.abs(coarse.angles - fine.angles), _turned(coarse.turns, fine.turns)], axis=0
+        ),
+        "joint_slide_error": distance(coarse.slides, fine.slides),
+    }
+    largest = {name: np.asarray(values.max(axis=0)) for name, values in series.items() if len(values)}
+    if coarse.energy is not None:
+        largest["energy_drift"] = _drift(coarse.energy)
+    return largest
+
+
+def _drift(energy: Array) -> Array:
+    """Return the drift (n,) of a total energy, relative to the initial kinetic energy or, if that is zero, to the largest.
+
+    energy: the potential and the kinetic energy (2, n), J.
+    """
+    total, kinetic = energy.sum(axis=0), energy[1]
+    return np.asarray(np.abs(total - total[0]) / (kinetic[0] or kinetic.max() or 1.0))
+
+
+def _turned(one: Array, other: Array) -> Array:
+    return geodesic_angle(normalise(one), normalise(other)) if len(one) else np.empty((0, one.shape[1]))

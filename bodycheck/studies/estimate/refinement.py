@@ -1,0 +1,227 @@
+"""Estimate the error of a run from runs with smaller time steps: pure functions of the differences between the runs.
+
+The *levels* of a refinement are runs of one scene with one method and the time steps h, h/2, h/4, …, the largest first. If the
+error of a level is C h^p, each difference between neighbours is 2^p times as large as the next one. The levels count as
+asymptotic if the orders that two consecutive pairs of differences show are at least `LEAST_ORDER` and differ by at most
+`MOST_CHANGE`, and no finer level contradicts them. The error of the finest such level, the *reference*, is its last difference
+divided by 2^p - 1 (Richardson), and the error of every other level is its difference from the reference plus this error.
+
+If no levels are asymptotic, as in soft contact, where the differences become small without falling evenly, the finest level is
+an *uneven* reference, whose error is taken as `UNEVEN` times the largest of its last differences. Only levels whose difference
+from it is at least `CLEAR` times as large have an estimate then.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+#: The least order that counts as convergence, and the largest difference of consecutive orders.
+LEAST_ORDER, MOST_CHANGE = 0.6, 0.35
+
+#: The upper end of the interval of an error that is due to rounding, in terms of the differences that rounding makes.
+ROUNDED = 10.0
+
+#: The effect of rounding in a run of n steps is that of one rounding at its start times 1 plus this times sqrt(n).
+ACCUMULATED = 0.1
+
+#: The fewest levels from which an error is estimated.
+FEWEST_LEVELS = 4
+
+#: The part of an estimate that its interval has at least on each side: the differences of a curved error.
+LEAST_WIDTH = 0.01
+
+#: The ratio of a difference from a finer level to the one that the estimate allows from which on it contradicts the estimate.
+CONTRADICTION = 1.5
+
+#: The error of an uneven reference in terms of its last differences, and the least difference from it, in terms of this error.
+UNEVEN, CLEAR = 2.0, 5.0
+
+#: The effect of rounding in a run of n steps is at most this number times n times that of one rounding at its start, and at
+#: most the second number (rad, m, or relative): larger differences that do not fall have another cause.
+DEPENDENT, MOST_ROUNDING = 10.0, 1e-7
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The level from which the errors of all levels are estimated.
+
+    Attributes
+    ----------
+    level
+        Its index among the levels.
+    error
+        Its own error.
+    order
+        The order of the differences; nan if it is not known.
+    kind
+        "even" if the levels are asymptotic, "uneven" if they are not, and "rounding" if all differences are due to rounding.
+    reason
+        Why the levels are not asymptotic, in words.
+    """
+
+    level: int
+    error: float
+    order: float
+    kind: Literal["even", "uneven", "rounding"] = "even"
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """The estimate of an error, and its interval."""
+
+    estimate: float
+    low: float
+    high: float
+
+
+#: The differences between levels by the indices of the coarser and of the finer one.
+Differences = Mapping[tuple[int, int], float]
+
+
+def accumulated(nudge: float, steps: int) -> float:
+    """Return the effect of rounding in a run of some steps. nudge: the difference that one rounding at the start makes."""
+    return nudge * (1 + ACCUMULATED * math.sqrt(steps))
+
+
+def before_rounding(differences: Differences, levels: int, nudge: float, steps: int) -> int:
+    """Return the number of levels, the coarsest first, whose differences are not due to rounding alone.
+
+    The differences of the finest levels are due to rounding if they no longer fall and are as small as rounding makes them.
+
+    Parameters
+    ----------
+    differences, levels
+        The differences between all levels, and their number.
+    nudge
+        The difference that one rounding at the start makes.
+    steps
+        The number of steps of the finest run.
+    """
+    most = min(DEPENDENT * nudge * steps, MOST_ROUNDING)
+    while levels > 1:
+        fine = differences[levels - 2, levels - 1]
+        falls = levels > 2 and order(differences[levels - 3, levels - 2], fine) >= LEAST_ORDER
+        if fine > most or (falls and fine > nudge):
+            break
+        levels -= 1
+    return levels
+
+
+def order(coarse: float, fine: float, ratio: float = 2.0) -> float:
+    """Return the order that a difference and the next finer one show; infinite if the finer one is zero, nan if both are."""
+    if fine == 0:
+        return math.inf if coarse > 0 else math.nan
+    return math.log(coarse / fine) / math.log(ratio) if coarse > 0 else -math.inf
+
+
+def reference(
+    differences: Differences, levels: int, nudge: float, steps: int, factor: float, claimed: float = math.inf
+) -> Reference | str:
+    """Return the reference of some levels, or the reason in words why there is none.
+
+    Parameters
+    ----------
+    differences, levels, nudge, steps
+        As those of `before_rounding`.
+    factor
+        The safety factor of the interval.
+    claimed
+        The order that the engine claims for the method, above which no order is relied on.
+    """
+    if levels < FEWEST_LEVELS:
+        return f"fewer than {FEWEST_LEVELS} time steps could be compared"
+    useful = before_rounding(differences, levels, nudge, steps)
+    if useful == 1:
+        return Reference(levels - 1, 0.0, math.nan, "rounding")
+    for level in range(useful - 1, 1, -1):
+        known = _asymptotic(differences, level, useful < levels and level == useful - 1, claimed)
+        if known is not None and _agrees(known, differences, useful, nudge, factor):
+            return known
+    last = [differences[index, index + 1] for index in range(max(0, useful - FEWEST_LEVELS), useful - 1)]
+    return Reference(useful - 1, UNEVEN * max(last), math.nan, "uneven", _why(last, useful < levels))
+
+
+def _agrees(known: Reference, differences: Differences, levels: int, nudge: float, factor: float) -> bool:
+    """Return whether the differences of a reference from finer levels are of the size that its error makes them."""
+    most = CONTRADICTION * factor
+    for finer in range(known.level + 1, levels):
+        expected = known.error * (1 - 2.0 ** (-known.order * (finer - known.level)))
+        if not expected / most - nudge <= differences[known.level, finer] <= expected * most + nudge:
+            return False
+    return True
+
+
+def _asymptotic(differences: Differences, level: int, before_rounding: bool, claimed: float) -> Reference | None:
+    """Return a level as the reference; None if the differences above it do not fall as they should.
+
+    Three differences are needed; two are enough for the last level before rounding.
+    """
+    last = [differences[index, index + 1] for index in range(max(0, level - 3), level)]
+    orders = [order(coarse, fine) for coarse, fine in pairwise(last)]
+    if len(orders) < 2 and not (before_rounding and orders):
+        return None
+    if not all(LEAST_ORDER <= one < math.inf for one in orders):
+        return None
+    if len(orders) == 2 and abs(orders[0] - orders[1]) > MOST_CHANGE * max(1.0, orders[1] / 2):
+        return None
+    relied = min(orders[-1], claimed)
+    return Reference(level, last[-1] / (2**relied - 1), relied)
+
+
+def _why(last: Sequence[float], before_rounding: bool) -> str:
+    """Return in words how the last differences do not fall as they should."""
+    numbers = ", ".join(f"{value:.2g}" for value in last)
+    if before_rounding:
+        return f"the differences between refinements reach rounding ({numbers}) before they fall evenly"
+    return f"the differences between refinements do not fall evenly ({numbers})"
+
+
+def interval(
+    known: Reference, differences: Differences, levels: int, level: int, rounding: float, factor: float
+) -> Interval | None:
+    """Return the estimate of the error of a level, and its interval; None if the reference is too uneven for it.
+
+    Parameters
+    ----------
+    known, differences, levels
+        The reference, the differences between all levels, and their number.
+    level
+        The index of the level.
+    rounding
+        The effect of rounding in its run.
+    factor
+        The safety factor: the ratio of the ends of the interval of the reference to its estimate.
+    """
+    if known.kind == "rounding":
+        near = [differences[one, one + 1] for one in (level - 1, level) if 0 <= one < levels - 1]
+        size = max(rounding, *near)
+        return Interval(size, 0.0, ROUNDED * size)
+    apart = differences[min(level, known.level), max(level, known.level)] if level != known.level else 0.0
+    if known.kind == "uneven":
+        if level > known.level or apart < CLEAR * known.error:
+            return None
+        width = max(known.error, LEAST_WIDTH * apart)
+        return Interval(apart, apart - width, apart + width)
+    if level > known.level:
+        smaller = known.error * 2.0 ** (-known.order * (level - known.level))
+        rounded = max(rounding, apart - known.error + smaller)
+        return Interval(smaller + rounded, max(0.0, smaller / factor - rounded), factor * smaller + ROUNDED * rounded)
+    if level >= known.level - 2:
+        return around(apart, known.error, rounding, factor)
+    width = max(factor * known.error, LEAST_WIDTH * apart) + rounding
+    return Interval(apart, max(0.0, apart - width), apart + width)
+
+
+def around(apart: float, error: float, rounding: float, factor: float) -> Interval:
+    """Return the interval of the error of a run from its difference to a finer one, whose own error is given.
+
+    Both errors are of one order, so that they add up. rounding: the effect of rounding in the runs.
+    """
+    estimate = apart + error
+    if estimate <= rounding:
+        return Interval(rounding, 0.0, ROUNDED * rounding)
+    width = max((factor - 1) * error, LEAST_WIDTH * estimate)
+    return Interval(estimate, max(0.0, estimate / (1 + width / estimate) - rounding), estimate + width + rounding)

@@ -1,0 +1,25 @@
+"""Reading of the saved results of a study."""
+
+from pathlib import Path
+
+from bodycheck.errors import BadFolder
+from bodycheck.reports.study import StudyReport
+from bodycheck.results import records
+from bodycheck.studies import reading
+from bodycheck.studies.estimate import page
+from bodycheck.studies.estimate.rows import RECORDS, ROWS, About, OfEngine, joined
+
+#: The file by which the folder of a study is recognised.
+FILE = RECORDS
+
+
+def read(folder: Path) -> StudyReport:
+    """Return the report of a finished study in a folder. Raises `BadFolder` and the errors of damaged files."""
+    contents, header = reading.finished(folder / RECORDS)
+    about = records.typed(About, contents.header["about"])
+    engines = [records.typed(OfEngine, record["engine"]) for record in contents.records if record["record"] == "engine"]
+    spread: object = next((record["spread"] for record in contents.records if record["record"] == "spread"), [])
+    results = joined(about, engines, records.typed(list[tuple[str, str, dict[str, float]]], spread))
+    if sorted(map(repr, reading.rows(folder, ROWS))) != sorted(map(repr, results.rows)):
+        raise BadFolder(f"{folder}: damaged: {ROWS.file} does not list the same runs as {RECORDS}")
+    return page.present(header, results)

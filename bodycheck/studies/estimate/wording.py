@@ -1,0 +1,147 @@
+"""The results of the study in sentences: the cost of the file's own step, the cheapest step, where it breaks, and coverage."""
+
+from collections.abc import Iterator, Sequence
+
+from bodycheck.adapters.engine_name import in_words
+from bodycheck.reports.quantities import QUANTITIES, listing, milliseconds, number
+from bodycheck.studies.estimate.distances import AT_END
+from bodycheck.studies.estimate.factors import factors
+from bodycheck.studies.estimate.rows import (
+    CHAOTIC,
+    DIVERGED,
+    ESTIMATE,
+    NO_TIME,
+    NOT_ASYMPTOTIC,
+    RESET,
+    UNSUPPORTED,
+    Choice,
+    EstimateRow,
+    Estimates,
+    choices,
+)
+
+#: Why each verdict of the own step has no number, as a clause.
+WITHOUT = {
+    NOT_ASYMPTOTIC: "cannot be estimated",
+    NO_TIME: "could not be estimated in the time",
+    UNSUPPORTED: "is not known",
+}
+
+
+def headline(results: Estimates) -> str:
+    """Return the sentence that says what the numbers are: estimates, of the engine's own limit."""
+    engines = listing([name.split("@")[0] for name in results.present]) or "no engine"
+    return (
+        f"{results.file}, {number(results.duration)} s: the errors are estimates, of the own limit of {engines} as h → 0; what "
+        "the model itself is worth is not asked."
+    )
+
+
+def sentences(results: Estimates) -> Iterator[str]:
+    """Yield sentences on each engine: its own step, the cheapest one, where it breaks, coverage, and other engines."""
+    chosen = choices(results)
+    for engine, (integrator, timestep) in results.present.items():
+        rows = [row for row in results.rows if row.engine == engine]
+        if not integrator:
+            yield f"{in_words(engine, rows[0].version)}: {rows[0].reason}."
+            continue
+        yield own_step(results, rows, integrator, timestep)
+        yield cheapest(results, [one for one in chosen if one.engine == engine], rows[0], timestep)
+        yield from breaks(rows)
+        yield coverage(results.kinds[engine])
+        yield from apart(results, engine)
+    yield from spread(results)
+
+
+def own_step(results: Estimates, rows: Sequence[EstimateRow], integrator: str, timestep: float) -> str:
+    """Return a sentence on what the present step costs in error."""
+    present = [
+        row for row in rows if row.integrator == integrator and row.timestep == timestep and not row.quantity.endswith(AT_END)
+    ]
+    step = f"{in_words(rows[0].engine, rows[0].version)} {integrator} at {milliseconds(timestep, 4)}, the present step"
+    if not present:
+        return f"{step}, was not run."
+    known = [row for row in present if row.verdict == ESTIMATE and row.estimate is not None]
+    if known:
+        return f"{step}, costs {listing([_error(row) for row in known])} over {number(results.duration)} s."
+    row = next((row for row in present if row.quantity in results.compared), present[0])
+    if row.verdict.startswith(CHAOTIC):
+        until = "" if row.estimate is None else f"; until {number(row.horizon)} s it costs {_error(row)}"
+        return f"{step}, is {row.verdict} s{until}."
+    if row.verdict in (DIVERGED, RESET):
+        return f"{step}, does not complete: {row.reason}."
+    until = "" if row.horizon is None else f", but until {number(row.horizon)} s it is asymptotic"
+    return f"{step}: its error {WITHOUT.get(row.verdict, 'is not known')}{until}: {row.reason}."
+
+
+def _error(row: EstimateRow) -> str:
+    """Return the estimate of a row with its interval, unit and quantity."""
+    quantity = QUANTITIES[row.quantity]
+    interval = f"({number(row.low, 3)} to {number(row.high, 3)})"
+    return " ".join(filter(None, (number(row.estimate, 3), interval, quantity.unit, f"of {quantity.title.lower()}")))
+
+
+def cheapest(results: Estimates, chosen: Sequence[Choice], row: EstimateRow, present: float) -> str:
+    """Return a sentence on the cheapest method and step of an engine that keep the allowed error."""
+    allowed = number(results.error)
+    if not chosen:
+        return f"No step of {row.engine} that was tried keeps {allowed}."
+    best, *others = chosen
+    speed = f"{number(1 / best.cost, 2)} times as fast as real time" if best.cost < 1 else "slower than real time"
+    ratio = best.timestep / present
+    steps = f"{number(ratio, 3)} times the present step" if ratio >= 1 else f"{number(1 / ratio, 3)} times as many steps"
+    second = f" The next is {_method(others[0])} at {number(others[0].cost / best.cost, 2)} times the cost." if others else ""
+    return (
+        f"To keep {allowed}, the cheapest is {_method(best)}, {steps}: at most {number(best.high, 3)}, at "
+        f"{number(best.cost, 2)} s of computing per second, {speed}.{second}"
+    )
+
+
+def _method(choice: Choice) -> str:
+    return f"{choice.integrator} at {milliseconds(choice.timestep, 6)}"
+
+
+def breaks(rows: Sequence[EstimateRow]) -> Iterator[str]:
+    """Yield a sentence for each method on the smallest step with which it fails, and the largest with which it completes."""
+    for integrator in dict.fromkeys(row.integrator for row in rows):
+        of_method = [row for row in rows if row.integrator == integrator]
+        failed = [row for row in of_method if row.verdict in (DIVERGED, RESET)]
+        stable = [row.timestep for row in of_method if row.verdict not in (DIVERGED, RESET, NO_TIME, UNSUPPORTED)]
+        if failed:
+            first = min(failed, key=lambda row: row.timestep)
+            below = max((step for step in stable if step < first.timestep), default=None)
+            largest = "" if below is None else f"; with {milliseconds(below, 4)} it completes"
+            yield f"{integrator} breaks at {milliseconds(first.timestep, 4)}: {first.reason}{largest}."
+        elif stable:
+            yield f"{integrator} completes with every step that was tried, up to {milliseconds(max(stable), 4)}."
+
+
+def coverage(kind: str) -> str:
+    """Return a sentence on how often intervals of a class of scenes are right."""
+    known = next((one for name, one in factors().items() if name == kind), None)
+    if known is None:
+        return ""
+    if not known.sample:
+        return f"How often the intervals of this class ({kind}) are right is not measured yet."
+    return f"An interval of this class ({kind}) {known.told}, in {known.engine}."
+
+
+def apart(results: Estimates, engine: str) -> Iterator[str]:
+    """Yield a sentence on the distance of the finest run from the truth of a case: that of the engine's model."""
+    for quantity, (distance, bound) in results.apart.get(engine, {}).items():
+        named = QUANTITIES[quantity]
+        unit = f" {named.unit}" if named.unit else ""
+        yield (
+            f"The finest run of {engine} is {number(distance, 3)}{unit} from rigid mechanics in {named.title.lower()} (the "
+            f"truth is known to {number(bound, 2)}{unit}): the distance of the model, apart from the estimates."
+        )
+
+
+def spread(results: Estimates) -> Iterator[str]:
+    """Yield a sentence on the differences between the limits of engines, which are differences of models."""
+    for (one, other), differences in results.spread.items():
+        texts = [
+            f"{number(value, 3)} {QUANTITIES[name].unit} of {QUANTITIES[name].title.lower()}".replace("  ", " ")
+            for name, value in differences.items()
+        ]
+        yield f"The limits of {one} and {other} differ by {listing(texts)}: a difference of models, not of time steps."

@@ -1,0 +1,99 @@
+"""Estimates from differences between runs whose exact error is known."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bodycheck.studies.estimate import refinement
+from bodycheck.studies.estimate.refinement import Reference
+
+LEVELS = 7
+
+#: One rounding at the start, and the number of steps of the finest run.
+NUDGE, STEPS = 1e-15, 10_000
+
+
+def differences(errors: list[float]) -> dict[tuple[int, int], float]:
+    return {
+        (one, other): abs(errors[one] - errors[other]) for one in range(len(errors)) for other in range(one + 1, len(errors))
+    }
+
+
+def intervals(errors: list[float], factor: float = 1.5, claimed: float = math.inf) -> list[refinement.Interval | None]:
+    apart, count = differences(errors), len(errors)
+    known = refinement.reference(apart, count, NUDGE, STEPS, factor, claimed)
+    assert isinstance(known, Reference), known
+    return [refinement.interval(known, apart, count, level, NUDGE, factor) for level in range(count)]
+
+
+@given(order=st.integers(1, 4), size=st.floats(1e-3, 0.1), curved=st.floats(-0.3, 0.3))
+def test_the_intervals_of_errors_that_fall_by_a_power_contain_them(order: int, size: float, curved: float) -> None:
+    errors = [size * 2.0 ** (-order * level) * (1 + curved * 2.0**-level) for level in range(LEVELS)]
+    for error, interval in zip(errors, intervals(errors), strict=True):
+        assert interval is not None
+        assert interval.low <= error <= interval.high
+
+
+def test_the_observed_order_is_that_of_the_errors() -> None:
+    errors = [2.0 ** (-2 * level) for level in range(LEVELS)]
+    known = refinement.reference(differences(errors), LEVELS, NUDGE, STEPS, 1.5)
+    assert isinstance(known, Reference)
+    assert known.level == LEVELS - 1
+    assert known.order == pytest.approx(2, abs=1e-9)
+    assert known.error == pytest.approx(errors[-1], rel=1e-9)
+
+
+def test_no_order_above_the_claimed_one_is_relied_on() -> None:
+    errors = [2.0 ** (-6 * level) for level in range(4)]
+    known = refinement.reference(differences(errors), 4, NUDGE, STEPS, 1.5, claimed=4)
+    assert isinstance(known, Reference)
+    assert known.error > errors[-1]  # the error of an order that is too high for the method is not trusted to be so small
+
+
+def test_differences_that_do_not_fall_have_no_estimate_at_the_finest_level() -> None:
+    errors = [1.0, 0.5, 0.1, 0.2, 0.05, 0.17]
+    apart = differences(errors)
+    known = refinement.reference(apart, len(errors), NUDGE, STEPS, 1.5)
+    assert isinstance(known, Reference)
+    assert known.kind == "uneven"
+    assert "do not fall evenly" in known.reason
+    assert refinement.interval(known, apart, len(errors), len(errors) - 1, NUDGE, 1.5) is None
+
+
+def test_a_run_far_from_uneven_finer_ones_still_has_an_estimate() -> None:
+    errors = [1.0, 1.3e-4, 1.9e-4, 1.1e-4, 1.6e-4, 1.2e-4]
+    first, *others = intervals(errors)
+    assert first is not None
+    assert first.low <= 1.0 <= first.high
+    assert others[-1] is None
+
+
+def test_differences_that_are_rounding_end_the_refinement() -> None:
+    errors = [1e-4, 1e-4 / 16, 1e-4 / 256, 1e-4 / 4096, 3e-12, 5e-12, 4e-12]
+    estimates = intervals(errors)
+    for error, interval in zip(errors, estimates, strict=True):
+        assert interval is not None
+        assert interval.low <= error <= interval.high
+    assert math.isclose(estimates[0].estimate if estimates[0] is not None else 0.0, 1e-4, rel_tol=0.01)
+
+
+def test_a_motion_without_error_has_an_error_of_rounding() -> None:
+    for interval in intervals([0.0, 2e-16, 1e-16, 3e-16, 2e-16]):
+        assert interval is not None
+        assert interval.low == 0
+        assert interval.high < 1e-13
+
+
+def test_three_steps_are_too_few() -> None:
+    known = refinement.reference(differences([1.0, 0.5, 0.25]), 3, NUDGE, STEPS, 1.5)
+    assert known == "fewer than 4 time steps could be compared"
+
+
+def test_a_finer_level_that_contradicts_a_reference_is_not_ignored() -> None:
+    # Four levels of first order, and then a step that changes the motion, as an impact that is missed.
+    errors = [0.8, 0.4, 0.2, 0.1, 0.9, 0.9]
+    known = refinement.reference(differences(errors), len(errors), NUDGE, STEPS, 1.5)
+    assert isinstance(known, Reference)
+    assert known.kind == "uneven"
