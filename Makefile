@@ -15,7 +15,7 @@ LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py test
 TELLING := intermediate-axis-flip free-brick projectile sliding-brick double-pendulum hinge-friction heavy-top slider-crank \
 	block-slides-on-ramp rolling-ball
 
-.PHONY: compile run run-all test lint types tests coverage lowest slow engines claims benchmarks docs linkcheck site sites screenshots clean
+.PHONY: compile run run-all test lint types tests coverage lowest slow engines claims benchmarks docs linkcheck site sites screenshots release clean
 
 # Where Python writes no bytecode, every process would parse all modules again. Unchanged modules are not compiled again.
 compile: $(VENV)/.installed
@@ -95,6 +95,11 @@ sites: docs site
 	cp -r build/docs build/sites/docs
 	cp -r build/site build/sites/results
 
+# Distributions of the last commit in dist/, checked, installed and tried by each of these interpreters, the first with the tutorial.
+INTERPRETERS ?= $(BIN)/python
+release: $(VENV)/.installed-for-development
+	$(BIN)/python -m distribution.release --try $(INTERPRETERS)
+
 screenshots: $(VENV)/.installed-for-development run-all
 	$(BIN)/python docs/screenshots.py $(RESULTS)/report.html --out $(RESULTS)/screenshots
 
@@ -110,4 +115,4 @@ $(VENV)/.installed-for-development: $(VENV)/.installed
 	touch $@
 
 clean:
-	rm -rf $(VENV) $(LOWEST) build $(RESULTS)
+	rm -rf $(VENV) $(LOWEST) build dist $(RESULTS)
