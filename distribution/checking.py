@@ -15,7 +15,7 @@ LARGEST_MB = 9.0
 FIELDS = ("Summary", "License-Expression", "Requires-Python", "Classifier", "Project-URL", "Description-Content-Type")
 
 #: Files that no distribution may have: those of development, and what editors and caches leave.
-UNWANTED = re.compile(r"(^|/)(tests|docs|claims|submissions|benchmarks|\.git|\.venv|__pycache__)/|\.(pyc|orig|rej|swp)$|~$")
+UNWANTED = re.compile(r"^(tests|docs|claims|submissions|benchmarks|\.git|\.venv)/|__pycache__/|\.(pyc|orig|rej|swp)$|~$")
 
 #: A file of each kind that a wheel of bodycheck must have.
 WANTED = (

@@ -58,7 +58,9 @@ def tried(python: Path, wheels: Sequence[Path], folder: Path, *, with_tutorial: 
     size = sum(path.stat().st_size for path in environment.rglob("*") if path.is_file() and not path.is_symlink())
     version = _commands(scripts, work)
     followed = f", and the {_follow(scripts, folder)} commands of the tutorial" if with_tutorial else ""
-    named = _call([str(scripts / "python"), "-c", "import platform; print(platform.python_version(), platform.platform())"], work)
+    named = _call(
+        [str(scripts / "python"), "-c", "import platform; print(platform.python_version(), platform.platform())"], work
+    )
     return (
         f"bodycheck {version} on Python {named.strip()}: {size / 1e6:.0f} MB installed; truth, runs, report, study and plug-in"
         f"{followed} work; {time.monotonic() - start:.0f} s"
@@ -90,6 +92,7 @@ def _follow(scripts: Path, folder: Path) -> int:
     """Follow the tutorial from the end of its installation on, and return the number of its commands that ran."""
     from tests.support import walkthrough
 
+    (folder / "bodycheck").symlink_to(ROOT)  # the page copies a workflow from the checkout beside its folder
     steps = list(dropwhile(lambda step: getattr(step, "downloads", False), walkthrough.steps(TUTORIAL)))
     done = walkthrough.follow_afresh(steps, folder / "tutorial", _variables(scripts, folder))
     if failures := walkthrough.failures(done):

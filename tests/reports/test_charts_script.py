@@ -20,7 +20,9 @@ def test_the_script_is_that_of_the_libraries() -> None:
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="needs Node.js, which executes the script")
 def test_the_script_defines_what_pages_call(tmp_path: Path) -> None:
-    program = f"globalThis.window = globalThis;\n{charts_script.FILE.read_text('utf-8')}\nconsole.log(typeof window.vegaEmbed);\n"
+    program = (
+        f"globalThis.window = globalThis;\n{charts_script.FILE.read_text('utf-8')}\nconsole.log(typeof window.vegaEmbed);\n"
+    )
     (tmp_path / "script.mjs").write_text(program, "utf-8")
     done = subprocess.run(["node", str(tmp_path / "script.mjs")], capture_output=True, text=True, check=True)
     assert done.stdout == "function\n"
