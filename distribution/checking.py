@@ -1,7 +1,16 @@
-"""What must hold for distributions before they are published: their metadata, their files and their size."""
+"""What must hold for distributions before they are published: their metadata, their files and their size.
 
+    python -m distribution.checking --tag TAG --address ADDRESS
+
+checks that a tag is that of the version, that the addresses of the metadata are those of the repository from which they are
+published, and that CHANGELOG.md has a section of the version.
+"""
+
+import argparse
 import re
+import sys
 import tarfile
+import tomllib
 import zipfile
 from collections.abc import Iterator, Sequence
 from email.message import Message
@@ -74,3 +83,30 @@ def _faults(file: Path, version: str) -> Iterator[str]:
         yield from (f"lacks {name}" for name in WANTED if name not in contents)
         scripts = next(content for name, content in contents.items() if name.endswith(".dist-info/entry_points.txt"))
         yield from (f"has no entry point {word}" for word in ("console_scripts", "pytest11") if word not in scripts.decode())
+
+
+def faults_of_a_tag(tag: str, address: str, root: Path) -> Iterator[str]:
+    """Yield a sentence for each reason why a tag of the repository at an address must not be published."""
+    project = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]
+    if tag != f"v{project['version']}":
+        yield f"pyproject.toml: version is {project['version']}, and the tag is {tag}"
+    if project["urls"]["Repository"] != address:
+        yield f"pyproject.toml: Repository is {project['urls']['Repository']}, and this repository is {address}"
+    for name, url in project["urls"].items():
+        if "OWNER" in url:
+            yield f"pyproject.toml: {name} is {url}, in which OWNER stands for the owner of the repository"
+    if f"\n## {project['version']}\n" not in (root / "CHANGELOG.md").read_text("utf-8"):
+        yield f"CHANGELOG.md: has no section {project['version']}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Check a tag before its distributions are built.")
+    parser.add_argument("--tag", required=True)
+    parser.add_argument("--address", required=True)
+    given = parser.parse_args()
+    if told := list(faults_of_a_tag(given.tag, given.address, Path(__file__).parents[1])):
+        sys.exit("\n".join(told))
+
+
+if __name__ == "__main__":
+    main()
