@@ -66,7 +66,7 @@ def build(kind: str, out: Path, source: Path, epoch: int | None = None) -> Path:
     if epoch is not None:
         environment["SOURCE_DATE_EPOCH"] = str(epoch)
     command = [sys.executable, "-c", BUILD, kind, str(out)]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=source, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True, cwd=source, env=environment)
     if done.returncode:
         sys.stderr.write(done.stderr)
         done.check_returncode()
@@ -96,9 +96,8 @@ def _pytest_bodycheck(source: Path) -> Path:
     """Give the second distribution of a source tree the version and the address of the first, and return its folder."""
     project = tomllib.loads((source / "pyproject.toml").read_text("utf-8"))["project"]
     folder = source / "distribution" / "pytest-bodycheck"
-    settings = folder / "pyproject.toml"
-    text = settings.read_text("utf-8").replace("VERSION", project["version"])
-    settings.write_text(text.replace("REPOSITORY", project["urls"]["Repository"]), "utf-8")
+    text = (folder / "pyproject.template.toml").read_text("utf-8").replace("VERSION", project["version"])
+    (folder / "pyproject.toml").write_text(text.replace("REPOSITORY", project["urls"]["Repository"]), "utf-8")
     return folder
 
 
@@ -117,7 +116,7 @@ def _normalise_zip(path: Path, epoch: int) -> None:
 
 
 def _normalise_tar(path: Path, epoch: int) -> None:
-    """Write a source distribution again: its files in the order of their names, of one time, of nobody, with the same rights."""
+    """Write a source distribution again: its files sorted by name, of one time, of nobody, with the same rights."""
     with tarfile.open(path) as archive:
         files = {member.name: archive.extractfile(member) for member in archive if member.isreg()}
         contents = {name: stream.read() for name, stream in sorted(files.items()) if stream is not None}
