@@ -17,6 +17,11 @@ from bodycheck.errors import OK, BadInput
 if TYPE_CHECKING:
     from bodycheck.casefile.case import Case
 
+Sources = Annotated[
+    tuple[str, ...],
+    Parameter(help="A CASE whose source is cited. May be given several times. Default: all shipped cases."),
+]
+
 #: The year of this release.
 YEAR = 2026
 
@@ -50,9 +55,7 @@ class Citation:
 
 def cite(
     *engines: str,
-    case: Annotated[
-        tuple[str, ...], Parameter(help="A CASE whose source is cited. May be given several times. Default: all shipped cases.")
-    ] = (),
+    case: Sources = (),
     json: Json = False,
 ) -> int:
     """Print how to cite bodycheck, engines, and the sources of cases, as BibTeX.
