@@ -3,9 +3,9 @@
     python -m distribution.release [--try INTERPRETER ...]
 
 They are built from the last commit: what is not committed is left out. Everything is built twice, in two copies of the commit
-in different folders, and must have the same bytes. Then the wheels are installed in a new environment of each interpreter (that of
-the running Python if none is named), where the commands of `trial.py` run in another folder; the first environment also follows
-the tutorial. Packages that they depend on come from wherever pip and uv get them.
+in different folders, and must have the same bytes. Then the wheels are installed in a new environment of each interpreter (that
+of the running Python if none is named), where the commands of `trial.py` run in another folder; the first environment also
+follows the tutorial. Packages that they depend on come from wherever pip gets them.
 """
 
 import argparse

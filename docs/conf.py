@@ -23,6 +23,7 @@ extensions = [
     "docs.extensions.generated",
     "docs.extensions.mathml",
     "docs.extensions.notebooks",
+    "docs.extensions.schemas",
     "docs.extensions.versions",
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]

@@ -53,15 +53,12 @@ class Citation:
     bibtex: str
 
 
-def cite(
-    *engines: str,
-    case: Sources = (),
-    json: Json = False,
-) -> int:
+def cite(*engines: str, case: Sources = (), json: Json = False) -> int:
     """Print how to cite bodycheck, engines, and the sources of cases, as BibTeX.
 
     An engine is cited by the publication that its authors ask for, with its version. The source of a case is cited by the
-    publication that it names, or else in its own words, which are left out of shipped cases. Exit codes: 0 success; 2 bad input or usage.
+    publication that it names, or else in its own words, which are left out of shipped cases. Exit codes: 0 success; 2 bad input
+    or usage.
 
     Parameters
     ----------

@@ -15,9 +15,10 @@ from tests.support.commands import bodycheck
 
 #: Words with which the source of a shipped case begins that names nothing published, or nothing whose title is known.
 UNPUBLISHED = (
-    "closed form", "Closed form", "bodycheck", "statics", "rolling", "momentum", "free fall", "centripetal", "Made for bodycheck",
-    "Coulomb friction", "Euler's equations", "Equations of motion", "straight motion", "steady circle", "no law", "A rod slips",
-    "the specific force", "MuJoCo, test", "M. Arnold", "Chaplygin",
+    "closed form", "Closed form", "bodycheck", "statics", "rolling", "momentum", "free fall", "centripetal",
+    "Made for bodycheck",
+    "Coulomb friction", "Euler's equations", "Equations of motion", "straight motion", "steady circle", "no law",
+    "A rod slips", "the specific force", "MuJoCo, test", "M. Arnold", "Chaplygin",
 )  # fmt: skip
 
 
