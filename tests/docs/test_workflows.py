@@ -82,7 +82,7 @@ def test_what_a_job_runs_exists(name: str, job: str) -> None:
 def test_what_may_write_runs_no_engine_and_what_publishes_runs_nothing() -> None:
     assert not scripts("sites", "publish").strip()
     assert not scripts("release", "publish").strip()
-    assert scripts("release", "announce").startswith("gh release create")
+    assert scripts("release", "announce").strip().startswith("gh release create")
     assert "--newest" not in scripts("weekly", "propose")
     assert "--newest" in scripts("weekly", "newest")
 
