@@ -51,7 +51,14 @@ def _of_the_repository(name: str) -> Callable[[], str]:
 
 
 #: Pages about the development by the names of the files beside docs/.
-DEVELOPMENT = {"CONTRIBUTING": "contributing", "SECURITY": "security", "CHANGELOG": "changes"}
+DEVELOPMENT = {
+    "CONTRIBUTING": "contributing",
+    "SECURITY": "security",
+    "CHANGELOG": "changes",
+    "SUPPORT": "support",
+    "GOVERNANCE": "governance",
+    "CODE_OF_CONDUCT": "code-of-conduct",
+}
 
 #: What makes the generated parts of pages, by the pages' names.
 PAGES: dict[str, Callable[[], str]] = {
