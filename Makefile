@@ -71,8 +71,9 @@ engines: $(VENV)/.installed-for-development
 claims: $(VENV)/.installed-for-development
 	$(BIN)/pytest -m claims -v -k "$(or $(ENGINES),claim)"
 
-benchmarks: $(VENV)/.installed-for-development
-	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
+# Adds a line to benchmarks/speed.jsonl and compares it with the last one of this machine. The other benchmarks are called one by one.
+benchmarks: $(VENV)/.installed-for-development compile
+	$(BIN)/python benchmarks/speed.py
 
 # A warning is an error, and a name that leads nowhere a warning. Notebooks are executed.
 SPHINX = $(BIN)/sphinx-build --quiet --fresh-env --fail-on-warning --keep-going --nitpicky --jobs auto --doctree-dir build/doctrees

@@ -11,6 +11,7 @@ from typing import Any
 
 from sphinx.application import Sphinx
 
+from benchmarks import speed
 from docs.extensions import case_grammar, command_line, python_interface, result_columns
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -62,6 +63,7 @@ DEVELOPMENT = {
 
 #: What makes the generated parts of pages, by the pages' names.
 PAGES: dict[str, Callable[[], str]] = {
+    "development/speed": speed.page,
     "reference/case-files": case_grammar.page,
     "reference/columns": result_columns.page,
     "reference/command-line": command_line.page,

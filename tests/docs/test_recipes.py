@@ -134,7 +134,7 @@ ROBOT = """\
 <robot name="arm">
   <link name="base"/>
   <link name="arm">
-    <inertial><origin xyz="0 0 0.5"/><mass value="{}"/><inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+    <inertial><mass value="{}"/><inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
   </link>
   <joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
 </robot>
