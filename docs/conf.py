@@ -26,7 +26,7 @@ extensions = [
     "docs.extensions.schemas",
     "docs.extensions.versions",
 ]
-exclude_patterns = ["_build", "includes", "**/.ipynb_checkpoints"]
+exclude_patterns = ["_build", "_includes", "**/.ipynb_checkpoints"]
 nitpicky = True
 # Types of other packages have no page here.
 nitpick_ignore_regex = [("py:.*", ".*")]

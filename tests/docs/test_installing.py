@@ -11,7 +11,7 @@ from tests.support import ROOT
 DOCS = ROOT / "docs"
 
 #: The note, which pages include.
-NOTE = DOCS / "includes" / "installing.md"
+NOTE = DOCS / "_includes" / "installing.md"
 
 #: Commands that install bodycheck by its name.
 INSTALLS = re.compile(r"pip install\s+'?(bodycheck|pytest-bodycheck)\b")
