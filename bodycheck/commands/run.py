@@ -117,7 +117,8 @@ def print_summary_of(result: "ResultSet", out: Path | None) -> None:
     from bodycheck.console.summary import Summary, print_summary
 
     brief = reports.brief([result])
-    findings = [f"{finding.subject}: {finding.text}" for finding in (brief.broken, *brief.findings) if finding is not None]
+    sentences = (brief.broken, *brief.answers, *brief.findings)
+    findings = [f"{finding.subject}: {finding.text}" for finding in sentences if finding is not None]
     more = [] if out is not None else ["--out FOLDER writes a report, and --table prints all runs."]
     print_summary(Summary(brief.headline, findings, brief.counts, brief.unsupported, [*brief.limits, *more], brief.steps))
 

@@ -10,11 +10,14 @@ from rich.cells import cell_len
 from bodycheck.console import output
 
 #: The largest number of findings in a summary.
-MOST_FINDINGS = 3
+MOST_FINDINGS = 5
 
 #: Lines of a terminal that the summary leaves free: for the path of the report, the message of `make` about a failure, and the
 #: prompt.
 FREE_LINES = 3
+
+#: The most lines on a terminal.
+MOST_LINES = 15
 
 #: The end of a shortened text.
 MORE = "…"
@@ -29,7 +32,7 @@ class Summary:
     headline
         The verdict in one line.
     findings
-        Sentences, the most important first. The first three are printed.
+        Sentences, the most important first. The first five are printed.
     counts
         The numbers of runs by their outcomes, in a sentence.
     unsupported
@@ -69,7 +72,8 @@ def fitted(summary: Summary, width: int | None, height: int | None) -> list[str]
     last += [line for text in summary.where for line in output.lines(text, width, "  ")]
     last += [_shortened(summary.unsupported, 1, width)[0]] if summary.unsupported else []
     findings = summary.findings[:MOST_FINDINGS]
-    room = sys.maxsize if height is None else height - FREE_LINES - len(first) - len(last) - 2
+    most = sys.maxsize if height is None else min(height - FREE_LINES, MOST_LINES)
+    room = most - len(first) - len(last) - 2
     steps: list[str] = []
     for text in summary.steps:
         taken = 1 if width is None else -(-cell_len(text) // width)

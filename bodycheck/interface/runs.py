@@ -79,7 +79,7 @@ class RunResults(Results):
     @property
     def findings(self) -> tuple[str, ...]:
         """Further findings, in sentences."""
-        noteworthy = (self._brief.broken, *self._brief.findings)
+        noteworthy = (self._brief.broken, *self._brief.answers, *self._brief.findings)
         return (*(f"{one.subject}: {one.text}" for one in noteworthy if one is not None), *self._brief.notices)
 
     @property

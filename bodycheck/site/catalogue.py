@@ -11,7 +11,7 @@ from packaging.version import InvalidVersion, Version
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.content import Case
 from bodycheck.reports.quantities import QUANTITIES, Quantity
-from bodycheck.reports.runs.matrix import Kind, kind_of
+from bodycheck.reports.runs.kinds import Kind, kind_of
 from bodycheck.site.submissions import cases
 from bodycheck.site.submissions.submission import LeftOut, Row, Submission
 from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from bodycheck.reports.quantities import bound, milliseconds, number
-from bodycheck.reports.runs.matrix import KINDS, Kind, decade
+from bodycheck.reports.runs.kinds import KINDS, Kind
+from bodycheck.reports.runs.matrix import decade
 from bodycheck.results.verdicts import BETTER, OTHER, SCENES, WORSE
 from bodycheck.site import cells, changes, links
 from bodycheck.site.catalogue import Catalogue, Entry, Scene

@@ -11,6 +11,7 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import count
 from bodycheck.reports.runs import comparison
+from bodycheck.reports.runs.choices import MOST_DEFAULTS, Choice, attention, choices, defaults, tried
 from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.differences import compare
 from bodycheck.reports.runs.findings import findings, measured
@@ -34,8 +35,13 @@ class Brief:
         A sentence about the failed runs; None if there are none.
     steps
         The next steps for the first failed run, which `broken` names; one line for each step.
+    answers
+        What changed, or what needs attention, which method is accurate enough for each kind of scene, and what the defaults
+        of the engines cost in accuracy.
+    choices
+        The methods of each kind of scene with the chosen one; empty in a comparison.
     findings
-        The findings, the most important first.
+        Where discrepancies come from.
     """
 
     headline: str
@@ -45,6 +51,8 @@ class Brief:
     unsupported: str
     broken: Finding | None
     steps: tuple[str, ...]
+    answers: tuple[Finding, ...]
+    choices: tuple[Choice, ...]
     findings: tuple[Finding, ...]
 
     @property
@@ -64,6 +72,9 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
     differences = compare(sets, shown) if others else None
     demonstrations = demonstrated(comparison.header(sets), lines)
     failed = next(((case, verdict) for case in shown for verdict in case.verdicts if verdict.passed is False), None)
+    runs = {} if differences else tried(shown, lines, demonstrations)
+    chosen = choices(runs)
+    attended = () if differences else attention(shown, lines, demonstrations)
     return Brief(
         headline=differences.headline if differences else headline(first.results, verdicts),
         tally=tally(verdicts, [lost for one in sets for lost in one.results.unchecked]),
@@ -72,14 +83,18 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
         unsupported=unsupported(verdicts),
         broken=broken(verdicts, lines),
         steps=tuple(advice.lines(failed[1], failed[0].file(failed[1].label))) if failed else (),
-        findings=(
+        answers=(
             *(differences.findings if differences else ()),
-            *findings(
-                measured(verdicts, lines),
-                () if differences else first.parts,
-                lines,
-                demonstrations,
-                NO_CLASSES if differences else first.classes,
-            ),
+            *(choice.finding for choice in chosen),
+            *defaults(runs)[:MOST_DEFAULTS],
+            *attended,
+        ),
+        choices=chosen,
+        findings=findings(
+            measured(verdicts, lines),
+            () if differences else first.parts,
+            lines,
+            demonstrations,
+            NO_CLASSES if differences else first.classes,
         ),
     )

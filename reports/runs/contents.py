@@ -19,12 +19,14 @@ from bodycheck.reports.quantities import PLOTTED, QUANTITIES, Quantity
 from bodycheck.reports.runs import comparison
 from bodycheck.reports.runs.brief import brief
 from bodycheck.reports.runs.charts import curves
+from bodycheck.reports.runs.charts.choice_charts import error_over_cost
 from bodycheck.reports.runs.charts.curves import Curves
 from bodycheck.reports.runs.charts.step_charts import over_steps
 from bodycheck.reports.runs.commands import Command, command
 from bodycheck.reports.runs.comparison import Shown
 from bodycheck.reports.runs.demonstrations import demonstrated
-from bodycheck.reports.runs.matrix import Matrix, kind_of, matrices
+from bodycheck.reports.runs.kinds import kind_of
+from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.motions.animation import animated
 from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, Playback
 from bodycheck.reports.runs.origins import Origins, origins
@@ -134,8 +136,10 @@ class Contents:
         The verdict in one line, the number of runs with each outcome, and sentences about the limits of the report.
     broken
         A sentence about the failed runs; None if there are none.
-    findings
-        The findings, the most important first.
+    answers, findings
+        Sentences for the beginning of the report, and sentences on where discrepancies come from.
+    trades
+        Charts of error over cost: one for each kind of scene, by its name, the kind with the most runs first.
     failures
         The failed runs.
     lines
@@ -156,7 +160,9 @@ class Contents:
     tally: tuple[tuple[str, int], ...]
     notices: tuple[str, ...]
     broken: Finding | None
+    answers: tuple[Finding, ...]
     findings: tuple[Finding, ...]
+    trades: Mapping[str, Chart]
     failures: tuple[Failure, ...]
     lines: tuple[Line, ...]
     matrices: tuple[Matrix, ...]
@@ -176,7 +182,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     shown = tuple(replace(case, verdicts=with_place(case.verdicts)) for case in every)
     verdicts = [verdict for case in shown for verdict in case.verdicts]
     told = brief(sets)
-    chosen = frozenset(drawn_cases(shown, told.findings))
+    chosen = frozenset(drawn_cases(shown, (*told.answers, *told.findings)))
     room = _room([case for case in shown if case.name in chosen])
     placed = {verdict.key.over_cases for verdict in verdicts}
     header = comparison.header(sets)
@@ -204,7 +210,9 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
         tally=told.tally,
         notices=told.notices,
         broken=told.broken,
+        answers=told.answers,
         findings=told.findings,
+        trades={one.kind.name: chart for one in told.choices if (chart := error_over_cost(one)) is not None},
         failures=tuple(
             _failure(case, verdict, lines) for case in shown for verdict in case.verdicts if verdict.passed is False
         ),

@@ -1,8 +1,8 @@
-"""Findings about the runs of a report: sentences that state measurements, the most important first."""
+"""Findings about the runs of a report: sentences on where discrepancies come from."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 from bodycheck.judging.attribution import Attribution
@@ -23,14 +23,8 @@ TIE = 1e-3
 #: The relative difference up to which two methods count as having the same errors.
 ALIKE = 1e-3
 
-#: The relative difference up to which methods are named together with the method that has the smallest errors.
-NEAR = 1e-2
-
 #: The relative drift below which a drift is rounding and is not reported.
 ROUNDING = 1e-12
-
-#: The subjects of findings about all methods, which must say so if methods are left out.
-OF_ALL_METHODS = ("Position", "Attitude", "Closest", "Angular momentum")
 
 
 @dataclass(frozen=True)
@@ -51,11 +45,6 @@ class Measured:
         """Return whether the error in a column is within the error bound of the truth, so that its digits mean nothing."""
         return QUANTITIES[name].within_truth(self.maxima) is not None
 
-    def at_most(self, name: str) -> float:
-        """Return the error in a column, or the error bound of the truth if that is larger."""
-        own = QUANTITIES[name].within_truth(self.maxima)
-        return self.maxima[name] if own is None else own
-
 
 def measured(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> list[Measured]:
     """Return the runs whose errors were measured and are all finite; only these are compared in findings."""
@@ -73,10 +62,9 @@ def findings(
     demonstrations: Collection[RunKey] = (),
     classes: Classes = NO_CLASSES,
 ) -> tuple[Finding, ...]:
-    """Return findings about the completed runs and about the parts of their contact discrepancies.
+    """Return findings on where discrepancies come from: contact models, schemes, and invariants that are not kept.
 
-    The largest errors come first, then the method with the smallest errors, then the causes. Demonstrations are left out, and
-    the findings say so, unless only demonstrations were run.
+    Demonstrations are left out, unless only demonstrations were run.
 
     Parameters
     ----------
@@ -93,39 +81,16 @@ def findings(
     """
     shown = {lines[key] for key in demonstrations}
     if chosen := [run for run in runs if run.line not in shown]:
-        parts = [part for part in parts if lines[part.key.over_cases] not in shown]
-        found = _findings(chosen, parts, lines, classes)
-        return tuple(map(_apart, found)) if len(chosen) < len(runs) else found
-    return _findings(runs, parts, lines, classes)
-
-
-def _apart(finding: Finding) -> Finding:
-    """Return a finding, with the words "Demonstrations apart" added if it is about all methods."""
-    if finding.subject not in OF_ALL_METHODS:
-        return finding
-    return replace(finding, before=f"Demonstrations apart, {finding.before[0].lower()}{finding.before[1:]}")
-
-
-def _findings(
-    runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapping[RunKey, Line], classes: Classes
-) -> tuple[Finding, ...]:
-    if not runs:
-        return ()
+        runs, parts = chosen, [part for part in parts if lines[part.key.over_cases] not in shown]
     # In contact the model matters more than the integrator, so methods are compared only by flights.
     flight = [run for run in runs if "penetration" not in run.maxima]
-    flights = len({run.case for run in flight})
-    everywhere = f"over {flights} flights" if flights > 1 else "in the only flight"
-    everywhere = everywhere if len(flight) < len(runs) else "over all cases"
-    found = (
-        _position(runs),
-        _attitude(runs),
-        _closest(flight, everywhere) if flight else None,
+    every = (
         _contact(parts, lines),
-        _angular_momentum(runs),
         same_algorithm(classes),
         _alike(flight, classes) if flight else None,
+        _angular_momentum(runs),
     )
-    return tuple(finding for finding in found if finding is not None)
+    return tuple(finding for finding in every if finding is not None)
 
 
 def _contact(parts: Sequence[Attribution], lines: Mapping[RunKey, Line]) -> Finding | None:
@@ -148,48 +113,6 @@ def _contact(parts: Sequence[Attribution], lines: Mapping[RunKey, Line]) -> Find
     return Finding("Contact", "In ", worst.case, text)
 
 
-def _attitude(runs: Sequence[Measured]) -> Finding | None:
-    subject = "Attitude"
-    above = [run for run in runs if not run.within_truth("attitude_error")]
-    if not above:
-        most = max(run.maxima["truth_error"] for run in runs)
-        return Finding(
-            subject,
-            f"In every completed run the attitude error is within the truth's own error, which is at most {bound(most)} rad.",
-        )
-    worst, tied = _worst(above, "attitude_error")
-    return Finding(
-        subject,
-        f"The largest attitude error is {number(worst.maxima['attitude_error'])} rad, with {_names(tied)} in ",
-        worst.case,
-        f" {_when(worst, 'attitude_error')}. "
-        f"The truth's own error there is at most {bound(worst.maxima['truth_error'], 2)} rad.",
-    )
-
-
-def _position(runs: Sequence[Measured]) -> Finding | None:
-    subject, name = "Position", "position_error"
-    above = [run for run in runs if not run.within_truth(name)]
-    most = max(run.at_most(name) for run in runs)
-    if not above or most < COMPARABLE_POSITION_M:
-        return Finding(subject, f"No completed run has a position error of more than {bound(most)} m.")
-    worst, tied = _worst(above, name)
-    distance = worst.maxima[name]
-    named = {run.line for run in tied}
-    rest = max((run.at_most(name) for run in runs if run.line not in named), default=None)
-    contrast = (
-        f" No completed run of another method has a position error of more than {bound(rest)} m."
-        if rest is not None and rest < distance / 3
-        else ""
-    )
-    return Finding(
-        subject,
-        f"The largest position error is {number(distance)} m, with {_names(tied)} in ",
-        worst.case,
-        f" {_when(worst, name)}.{contrast}",
-    )
-
-
 def _angular_momentum(runs: Sequence[Measured]) -> Finding | None:
     name = "angular_momentum_drift"
     conserved = [run for run in runs if name in run.maxima and not run.within_truth(name)]
@@ -202,32 +125,6 @@ def _angular_momentum(runs: Sequence[Measured]) -> Finding | None:
         f"{_share(worst.maxima[name])} with {_names(tied)} in ",
         worst.case,
         f" {_when(worst, name)}.",
-    )
-
-
-def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
-    """Return a finding about the method whose largest attitude error is smallest, among methods that completed every case.
-
-    everywhere: the cases in words. Return None if fewer than two methods completed all cases, or if all are equally close.
-    """
-    cases = {run.case for run in runs}
-    eligible = [own for own in _by_line(runs).values() if len(own) == len(cases)]
-    if len(eligible) < 2:
-        return None
-    worsts = [(max(run.at_most("attitude_error") for run in own), own) for own in eligible]
-    limit = min(worst for worst, _ in worsts) * (1 + NEAR)
-    tied = [own for worst, own in worsts if worst <= limit]
-    if len(tied) == len(eligible):
-        return None
-    named = [run for own in tied for run in own]
-    turn, shift = (max(run.at_most(name) for run in named) for name in ("attitude_error", "position_error"))
-    attitude = f"at most {bound(turn)} rad"
-    if all(run.within_truth("attitude_error") for run in named):
-        attitude = f"within the truth's own error ({bound(turn)} rad)"
-    return Finding(
-        "Closest",
-        f"The attitude error {everywhere} is smallest with {_names([own[0] for own in tied])}: {attitude}, "
-        f"with position errors of at most {bound(shift)} m.",
     )
 
 

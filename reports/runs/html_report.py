@@ -33,16 +33,18 @@ def index(contents: Contents) -> list[Link]:
     """Return the links of the index, in the order of the page."""
     failed = {failure.case for failure in contents.failures}
     first = (
-        ("findings", "Findings", contents.findings or contents.broken),
+        ("findings", "Answers", contents.answers or contents.broken),
         ("failures", "Failed runs", contents.failures),
         ("matrix", "Cases and methods", contents.matrices),
     )
     cases = (Link(f"case-{section.name}", section.name, True, section.name in failed) for section in contents.sections)
     kinds = (Link(f"matrix-{matrix.kind.name}", matrix.kind.title, True) for matrix in contents.matrices)
-    further = [Link("further", "Further findings")] if contents.findings[3:] else []
+    further = [Link("further", "Where errors come from")] if contents.findings else []
+    trades = [Link("trades", "Error over cost")] if len(contents.trades) > 1 else []
     return [
         *(Link(target, text) for target, text, there in first if there),
         *kinds,
+        *trades,
         *further,
         *([Link(f"case-{contents.sections[0].name}", "Cases")] if contents.sections else []),
         *cases,
@@ -69,7 +71,8 @@ def specifications(contents: Contents) -> dict[str, Spec]:
     coordinates = {f"joints_{kind}": joints(kind) for kind in sorted(moved)}
     sensed = {number for section in contents.sections for number in section.curves.sensors}
     coordinates |= {f"readings_{number}": readings(number) for number in sorted(sensed)}
-    return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | coordinates | origins | steps
+    trades = {f"trade-{name}": chart.specification for name, chart in contents.trades.items()}
+    return trades | errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | coordinates | origins | steps
 
 
 def _legend(section: Section, lines: Sequence[Line]) -> str:

@@ -41,8 +41,8 @@ def _parts(contents: Contents) -> Iterator[str]:
         yield _failures(contents.failures)
         if any(failure.steps for failure in contents.failures):
             yield _steps(contents.failures)
-    if contents.findings:
-        yield findings_list(contents.findings)
+    if contents.answers or contents.findings:
+        yield findings_list((*contents.answers, *contents.findings))
     if contents.matrices:
         yield MATRICES
     for matrix in contents.matrices:

@@ -11,68 +11,12 @@ from dataclasses import dataclass, replace
 from bodycheck.adapters.contract import kind_of as scene_kind
 from bodycheck.casefile.content import Case
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import needs, turns
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, milliseconds, number, within
 from bodycheck.reports.runs.commands import curve_anchor
+from bodycheck.reports.runs.kinds import KINDS, Kind, kind_of
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, firsts
 from bodycheck.results.key import RunKey
-
-
-@dataclass(frozen=True)
-class Kind:
-    """A kind of scene.
-
-    Parameters
-    ----------
-    name
-        Name of the anchor.
-    title
-        Name for readers.
-    quantity
-        The column of results that the matrix shows.
-    why
-        The reason for this choice, in a sentence or two for readers.
-    """
-
-    name: str
-    title: str
-    quantity: str
-    why: str
-
-
-#: The name of the kind of mechanisms in which nothing turns.
-SLIDING = "sliding"
-
-KINDS = (
-    Kind(
-        "turning",
-        "Free flight of a turning body",
-        "attitude_error",
-        "No torque acts. The attitude error shows how well the rotation is solved.",
-    ),
-    Kind("translation", "Flight without rotation", "position_error", "Nothing rotates. The position error shows everything."),
-    Kind("drag", "Flight against drag", "position_error", "Drag acts on the centre of mass and does not affect the rotation."),
-    Kind(
-        "contact",
-        "Contact with a plane",
-        "position_error",
-        "Friction determines where the body goes, which the position error shows.",
-    ),
-    Kind(
-        "mechanism",
-        "Bodies on joints",
-        "attitude_error",
-        "The attitude error is that of the body that is turned most against where it should be.",
-    ),
-    Kind(
-        SLIDING,
-        "Bodies on slides",
-        "position_error",
-        "Nothing turns. The position error is that of the body that is farthest from where it should be.",
-    ),
-)
 
 
 @dataclass(frozen=True)
@@ -258,12 +202,6 @@ def best(methods: Sequence[tuple[Column, Sequence[Cell | None]]]) -> str:
         return errors.count(None), max((error for error in errors if error is not None), default=math.inf)
 
     return min(cells, key=rank)
-
-
-def kind_of(scene: AnyScene) -> Kind:
-    """Return the kind of a scene: from its requirements, or "sliding" for a mechanism in which nothing turns."""
-    name = SLIDING if isinstance(scene, Mechanism) and not turns(scene) else needs(scene).kind
-    return next(kind for kind in KINDS if kind.name == name)
 
 
 def matrices(

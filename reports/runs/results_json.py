@@ -52,7 +52,8 @@ def document(contents: Contents, sets: Sequence[ResultSet]) -> dict[str, Any]:
         "headline": contents.headline,
         "notices": list(contents.notices),
         "findings": [
-            {"subject": finding.subject, "text": finding.text, "case": finding.where or None} for finding in contents.findings
+            {"subject": finding.subject, "text": finding.text, "case": finding.where or None}
+            for finding in (*contents.answers, *contents.findings)
         ],
         "sets": [_set(one) for one in sets],
         "runs": rows([verdict for one in sets for verdict in one.verdicts]),

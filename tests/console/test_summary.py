@@ -4,13 +4,17 @@ import random
 
 import pytest
 
-from bodycheck.console.summary import FREE_LINES, Summary, fitted, print_summary
+from bodycheck.console.summary import FREE_LINES, MOST_LINES, Summary, fitted, print_summary
 from tests.support.terminals import terminal
 
 LONG = "Position: " + " ".join(f"word{place} {place}e-{place % 9 + 1}" for place in range(200)) + "."
 
 SUMMARY = Summary(
-    "3 of 387 runs failed", [LONG, LONG, LONG, "Alike: a fourth"], "387 runs: 384 passed, 3 failed", f"unsupported: {LONG}", []
+    "3 of 387 runs failed",
+    [LONG, LONG, LONG, LONG, LONG, "Alike: a sixth"],
+    "387 runs: 384 passed, 3 failed",
+    f"unsupported: {LONG}",
+    [],
 )
 
 
@@ -18,24 +22,25 @@ SUMMARY = Summary(
 def test_it_fits_the_screen_and_cuts_no_number(columns: int, lines: int) -> None:
     with terminal(columns, lines) as screen:
         print_summary(SUMMARY)
-    assert len(screen.lines) <= lines - FREE_LINES
+    assert len(screen.lines) <= min(lines - FREE_LINES, MOST_LINES)
     assert max(map(len, screen.lines)) <= columns
     assert screen.lines[0] == SUMMARY.headline
     assert SUMMARY.counts in screen.lines
-    assert sum(line.startswith("Position: ") for line in screen.lines) == 3
+    assert sum(line.startswith("Position: ") for line in screen.lines) == 5
     known = {*LONG.split(), *SUMMARY.counts.split(), *SUMMARY.headline.split(), "unsupported:", "…"}
     assert {word for line in screen.lines for word in line.split()} <= known
 
 
-def test_short_findings_are_whole_and_at_most_three() -> None:
-    summary = Summary("None failed", ["One.", "Two.", "Three.", "Four."], "5 runs: 5 passed", "", ["--out FOLDER"])
-    assert fitted(summary, 80, 24) == ["None failed", "", "One.", "Two.", "Three.", "", "5 runs: 5 passed", "--out FOLDER"]
+def test_short_findings_are_whole_and_at_most_five() -> None:
+    names = ["One.", "Two.", "Three.", "Four.", "Five."]
+    summary = Summary("None failed", [*names, "Six."], "5 runs: 5 passed", "", ["--out FOLDER"])
+    assert fitted(summary, 80, 24) == ["None failed", "", *names, "", "5 runs: 5 passed", "--out FOLDER"]
     assert fitted(Summary("None failed", [], "0 runs", "", []), 80, 24) == ["None failed", "0 runs"]
 
 
 def test_in_a_pipe_every_sentence_is_one_whole_line() -> None:
     assert fitted(SUMMARY, None, None) == [
-        *(SUMMARY.headline, "", LONG, LONG, LONG, ""),
+        *(SUMMARY.headline, "", LONG, LONG, LONG, LONG, LONG, ""),
         *(SUMMARY.counts, SUMMARY.unsupported),
     ]
 
@@ -50,7 +55,7 @@ def test_any_text_fits_any_screen() -> None:
         assert all(len(line) <= 60 for line in found)
         assert found[0] == "Headline"
         assert found[-2] == "where"
-        assert sum(any(line.startswith(text[:40]) for line in found) for text in findings[:3]) == len(findings[:3])
+        assert sum(any(line.startswith(text[:40]) for line in found) for text in findings) == len(findings)
 
 
 def test_steps_are_whole_lines_to_be_copied_and_give_way_to_findings() -> None:

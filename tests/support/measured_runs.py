@@ -11,7 +11,8 @@ from bodycheck.adapters.contract import Method
 from bodycheck.judging.discrepancy import Discrepancy
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.lines import assign
-from bodycheck.reports.runs.matrix import Matrix, kind_of, matrices
+from bodycheck.reports.runs.kinds import kind_of
+from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Run, Unsupported

@@ -26,7 +26,7 @@ from hashlib import sha256
 from typing import Any
 
 from bodycheck.reports.quantities import QUANTITIES
-from bodycheck.reports.runs.matrix import KINDS
+from bodycheck.reports.runs.kinds import KINDS
 from bodycheck.site import changes, links
 from bodycheck.site.catalogue import RUNS, Catalogue, Entry, entries_of, results_of
 from bodycheck.site.cells import Cell

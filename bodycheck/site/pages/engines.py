@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from bodycheck.reports.quantities import milliseconds
-from bodycheck.reports.runs.matrix import KINDS, Kind
+from bodycheck.reports.runs.kinds import KINDS, Kind
 from bodycheck.results.verdicts import Verdict
 from bodycheck.site import changes, engine_facts, links, trend
 from bodycheck.site.catalogue import Catalogue, Entry, Scene

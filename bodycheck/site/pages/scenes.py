@@ -8,7 +8,7 @@ from bodycheck.figures.columns import COLUMNS
 from bodycheck.reference.requirements import needs
 from bodycheck.reports import player
 from bodycheck.reports.html import json_text
-from bodycheck.reports.runs.matrix import KINDS
+from bodycheck.reports.runs.kinds import KINDS
 from bodycheck.results.verdicts import Verdict
 from bodycheck.site import links, scene_motion, scene_runs, scene_tables
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
