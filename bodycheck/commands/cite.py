@@ -40,7 +40,7 @@ class Citation:
 
     Attributes
     ----------
-    of
+    kind
         What is cited.
     name
         The name of the engine with its version, or of the case or the publication.
@@ -48,7 +48,7 @@ class Citation:
         The entry.
     """
 
-    of: Literal["bodycheck", "engine", "source"]
+    kind: Literal["bodycheck", "engine", "source"]
     name: str
     bibtex: str
 

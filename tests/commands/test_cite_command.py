@@ -70,7 +70,7 @@ def test_the_command_cites_bodycheck_engines_and_sources() -> None:
     done = bodycheck("cite", "mujoco", "drake@1.51.0", "--case", "free-brick", "--case", "sliding-brick", "--json")
     listed = json.loads(done.stdout)
     version = listed[1]["name"].removeprefix("mujoco@")
-    assert [(one["of"], one["name"]) for one in listed] == [
+    assert [(one["kind"], one["name"]) for one in listed] == [
         ("bodycheck", "bodycheck"),
         ("engine", f"mujoco@{version}"),
         ("engine", "drake@1.51.0"),
