@@ -38,6 +38,11 @@ def twice(repository: Path, folder: Path) -> list[Path]:
     return first
 
 
+def checkout(folder: Path) -> Path:
+    """Return the checkout of the commit that `twice` has built in a folder."""
+    return folder / "first" / "bodycheck"
+
+
 def digest(file: Path) -> str:
     """Return the SHA-256 of a file."""
     return sha256(file.read_bytes()).hexdigest()
@@ -86,7 +91,7 @@ def _all(repository: Path, folder: Path) -> list[Path]:
     built = []
     for place in (source, _pytest_bodycheck(source)):
         for kind in ("build_sdist", "build_wheel"):
-            out = folder / place.name / kind
+            out = folder / f"{place.name} {kind}"
             out.mkdir(parents=True, exist_ok=True)
             built.append(build(kind, out, place, epoch))
     return built

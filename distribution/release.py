@@ -38,10 +38,11 @@ def main() -> None:
         for file in built:
             (DIST / file.name).write_bytes(file.read_bytes())
             print(f"dist/{file.name}: {file.stat().st_size / 1e6:.2f} MB, sha256 {building.digest(file)}")
-    wheels = sorted(DIST.glob("*.whl"))
-    for number, python in enumerate(interpreters):
-        with tempfile.TemporaryDirectory() as folder:
-            print(trial.tried(python, wheels, Path(folder), with_tutorial=number == 0), flush=True)
+        for number, python in enumerate(interpreters):
+            place = Path(folder, f"trial {number}")
+            place.mkdir()
+            checkout = building.checkout(Path(folder)) if number == 0 else None
+            print(trial.tried(python, sorted(DIST.glob("*.whl")), place, checkout), flush=True)
 
 
 def _git(*arguments: str) -> str:

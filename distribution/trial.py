@@ -15,10 +15,8 @@ from collections.abc import Sequence
 from itertools import dropwhile
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
-
-#: The page that the first environment follows.
-TUTORIAL = ROOT / "docs" / "start" / "tutorial.md"
+#: The tutorial, in a checkout.
+TUTORIAL = Path("docs", "start", "tutorial.md")
 
 #: Longest time (s) of a command.
 LIMIT_S = 900.0
@@ -28,7 +26,7 @@ class Failed(Exception):
     """A command failed, or did not do what it should; the text says which and shows its output."""
 
 
-def tried(python: Path, wheels: Sequence[Path], folder: Path, *, with_tutorial: bool) -> str:
+def tried(python: Path, wheels: Sequence[Path], folder: Path, checkout: Path | None = None) -> str:
     """Install wheels in a new environment of an interpreter, try them, and return a sentence about it.
 
     Parameters
@@ -39,8 +37,8 @@ def tried(python: Path, wheels: Sequence[Path], folder: Path, *, with_tutorial: 
         Those of bodycheck and pytest-bodycheck.
     folder
         An empty folder for the environment and the files of the commands.
-    with_tutorial
-        Whether the tutorial is followed too, with the versions of `constraints.txt`.
+    checkout
+        A checkout of the commit of the wheels, whose tutorial is followed too, with the versions of its `constraints.txt`.
 
     Raises
     ------
@@ -52,12 +50,12 @@ def tried(python: Path, wheels: Sequence[Path], folder: Path, *, with_tutorial: 
     work.mkdir()
     _call([str(python), "-m", "venv", str(environment)], folder)
     scripts = environment / ("Scripts" if sys.platform == "win32" else "bin")
-    constraints = ["--constraint", str(ROOT / "constraints.txt")] if with_tutorial else []
+    constraints = [] if checkout is None else ["--constraint", str(checkout / "constraints.txt")]
     wanted = [str(wheel.resolve()) for wheel in wheels]
     _call([str(scripts / "python"), "-m", "pip", "install", "--quiet", *constraints, *wanted], folder)
     size = sum(path.stat().st_size for path in environment.rglob("*") if path.is_file() and not path.is_symlink())
     version = _commands(scripts, work)
-    followed = f", and the {_follow(scripts, folder)} commands of the tutorial" if with_tutorial else ""
+    followed = "" if checkout is None else f", and the {_follow(checkout, scripts, folder)} commands of the tutorial"
     named = _call(
         [str(scripts / "python"), "-c", "import platform; print(platform.python_version(), platform.platform())"], work
     )
@@ -88,12 +86,12 @@ def _commands(scripts: Path, work: Path) -> str:
     return version
 
 
-def _follow(scripts: Path, folder: Path) -> int:
-    """Follow the tutorial from the end of its installation on, and return the number of its commands that ran."""
+def _follow(checkout: Path, scripts: Path, folder: Path) -> int:
+    """Follow the tutorial of a checkout from the end of its installation on, and return the number of its commands that ran."""
     from tests.support import walkthrough
 
-    (folder / "bodycheck").symlink_to(ROOT)  # the page copies a workflow from the checkout beside its folder
-    steps = list(dropwhile(lambda step: getattr(step, "downloads", False), walkthrough.steps(TUTORIAL)))
+    (folder / "bodycheck").symlink_to(checkout)  # the page copies a workflow from the checkout beside its folder
+    steps = list(dropwhile(lambda step: getattr(step, "downloads", False), walkthrough.steps(checkout / TUTORIAL)))
     done = walkthrough.follow_afresh(steps, folder / "tutorial", _variables(scripts, folder))
     if failures := walkthrough.failures(done):
         raise Failed("\n\n".join(failures))
@@ -130,7 +128,7 @@ def main() -> None:
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:
-        print(tried(Path(sys.executable), [Path(name) for name in sys.argv[1:]], Path(folder), with_tutorial=False))
+        print(tried(Path(sys.executable), [Path(name) for name in sys.argv[1:]], Path(folder)))
 
 
 if __name__ == "__main__":
