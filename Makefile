@@ -15,7 +15,7 @@ LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py test
 TELLING := intermediate-axis-flip free-brick projectile sliding-brick double-pendulum hinge-friction heavy-top slider-crank \
 	block-slides-on-ramp rolling-ball
 
-.PHONY: compile run run-all test lint types tests coverage lowest slow engines claims benchmarks docs linkcheck site sites screenshots clean
+.PHONY: compile run run-all test lint types tests coverage lowest slow engines claims benchmarks docs linkcheck site sites screenshots release clean
 
 # Where Python writes no bytecode, every process would parse all modules again. Unchanged modules are not compiled again.
 compile: $(VENV)/.installed
@@ -71,8 +71,9 @@ engines: $(VENV)/.installed-for-development
 claims: $(VENV)/.installed-for-development
 	$(BIN)/pytest -m claims -v -k "$(or $(ENGINES),claim)"
 
-benchmarks: $(VENV)/.installed-for-development
-	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
+# Adds a line to benchmarks/speed.jsonl and compares it with the last one of this machine. The other benchmarks are called one by one.
+benchmarks: $(VENV)/.installed-for-development compile
+	$(BIN)/python benchmarks/speed.py
 
 # A warning is an error, and a name that leads nowhere a warning. Notebooks are executed.
 SPHINX = $(BIN)/sphinx-build --quiet --fresh-env --fail-on-warning --keep-going --nitpicky --jobs auto --doctree-dir build/doctrees
@@ -95,6 +96,11 @@ sites: docs site
 	cp -r build/docs build/sites/docs
 	cp -r build/site build/sites/results
 
+# Distributions of the last commit in dist/, checked, installed and tried by each of these interpreters, the first with the tutorial.
+INTERPRETERS ?= $(BIN)/python
+release: $(VENV)/.installed-for-development
+	$(BIN)/python -m distribution.release --try $(INTERPRETERS)
+
 screenshots: $(VENV)/.installed-for-development run-all
 	$(BIN)/python docs/screenshots.py $(RESULTS)/report.html --out $(RESULTS)/screenshots
 
@@ -110,4 +116,4 @@ $(VENV)/.installed-for-development: $(VENV)/.installed
 	touch $@
 
 clean:
-	rm -rf $(VENV) $(LOWEST) build $(RESULTS)
+	rm -rf $(VENV) $(LOWEST) build dist $(RESULTS)

@@ -23,9 +23,10 @@ extensions = [
     "docs.extensions.generated",
     "docs.extensions.mathml",
     "docs.extensions.notebooks",
+    "docs.extensions.schemas",
     "docs.extensions.versions",
 ]
-exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
+exclude_patterns = ["_build", "_includes", "**/.ipynb_checkpoints"]
 nitpicky = True
 # Types of other packages have no page here.
 nitpick_ignore_regex = [("py:.*", ".*")]
@@ -55,6 +56,7 @@ html_static_path = ["_static"]
 templates_path = ["_templates"]
 html_css_files = ["site.css"]
 html_js_files = ["site.js"]
+html_extra_path = ["llms.txt"]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False

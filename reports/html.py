@@ -11,7 +11,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
-from bodycheck.reports import charts, library, player
+from bodycheck.reports import charts, player
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.study import StudyReport
@@ -115,7 +115,7 @@ def page(
             notices=notices,
             specifications=json_text(specifications),
             style=verbatim(colours() + (templates / "report.css").read_text("utf-8"), "style"),
-            library=verbatim(library.script(), "script"),
+            library=verbatim((templates / "vega.js").read_text("utf-8"), "script"),
             index=index,
             folding=verbatim((templates / "folds.js").read_text("utf-8"), "script"),
             sorting=verbatim((templates / "tables.js").read_text("utf-8"), "script"),

@@ -5,8 +5,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-import vl_convert
-
+from bodycheck.errors import BadInput
 from bodycheck.files import writing
 from bodycheck.reports.charts import INK, Spec
 from bodycheck.reports.study import StudyReport
@@ -51,7 +50,14 @@ def write(plots: Iterator[tuple[str, Spec]], folder: Path, formats: Sequence[For
 
 
 def rendered(chart: Spec, kind: Format) -> bytes:
-    """Return the content of the file of a plot. chart: a specification from `standing_alone`."""
+    """Return the content of the file of a plot. Raises `BadInput` if vl-convert, which draws it, is missing.
+
+    chart: a specification from `standing_alone`.
+    """
+    try:
+        import vl_convert  # it is large, and nothing else needs it
+    except ModuleNotFoundError as error:
+        raise BadInput("a plot as a file needs vl-convert: pip install 'bodycheck[figures]'") from error
     if kind == "svg":
         return _numbered(vl_convert.vegalite_to_svg(chart)).encode("utf-8", "replace")
     opaque = chart | {"config": chart["config"] | {"background": "white"}}

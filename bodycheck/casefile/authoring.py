@@ -20,6 +20,9 @@ from bodycheck.files import writing
 #: The file with the schema, beside the shipped cases; the first line of each case names it for editors.
 SCHEMA_FILE = "case.schema.json"
 
+#: The name of draft 07 of JSON Schema.
+DRAFT_07 = "http://json-schema.org/draft-07/schema#"
+
 #: The case files that `new` copies, for one body and for a mechanism, and the name of the case in them.
 TEMPLATE_FILE = "template.toml"
 MECHANISM_TEMPLATE_FILE = "template-mechanism.toml"
@@ -125,6 +128,25 @@ def schema() -> str:
     any_case = TypeAdapter[Any](Annotated[formats.AnyCaseTable, Field(discriminator="format")])
     whole_schema = {"$schema": _Schema.schema_dialect, "title": "Case file of bodycheck"}
     return json.dumps(whole_schema | any_case.json_schema(schema_generator=_Schema), indent=2, ensure_ascii=False) + "\n"
+
+
+def draft_07() -> str:
+    """Return the JSON Schema of case files in draft 07, which some editors and catalogues of schemas need."""
+    return json.dumps({**_in_draft_07(json.loads(schema())), "$schema": DRAFT_07}, indent=2, ensure_ascii=False) + "\n"
+
+
+def _in_draft_07(part: Any) -> Any:
+    """Return a part of a schema in draft 07, in which definitions have another name, and no keyword counts beside `$ref`."""
+    if isinstance(part, list):
+        return [_in_draft_07(item) for item in part]
+    if not isinstance(part, dict):
+        return part
+    changed = {"definitions" if key == "$defs" else key: _in_draft_07(value) for key, value in part.items()}
+    if isinstance(address := changed.get("$ref"), str):
+        changed["$ref"] = address.replace("#/$defs/", "#/definitions/")
+        if len(changed) > 1:
+            changed["allOf"] = [{"$ref": changed.pop("$ref")}]
+    return changed
 
 
 class _Schema(GenerateJsonSchema):

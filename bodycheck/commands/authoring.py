@@ -131,7 +131,7 @@ def new(
     return OK
 
 
-def schema(of: Literal["cases", "results"] = "cases", /) -> int:
+def schema(of: Literal["cases", "results"] = "cases", /, *, draft: Literal["2020-12", "07"] = "2020-12") -> int:
     """Print the JSON Schema of case files or of results.json.
 
     Editors use the schema of case files to complete keys and to mark faults.
@@ -140,11 +140,18 @@ def schema(of: Literal["cases", "results"] = "cases", /) -> int:
     ----------
     of
         Which schema to print: cases (the default) or results.
+    draft
+        The draft of JSON Schema: 2020-12 (the default), or for case files 07, which some editors and catalogues need.
     """
     from bodycheck.casefile import authoring
     from bodycheck.reports.runs import results_json
 
-    print(authoring.schema() if of == "cases" else results_json.schema(), end="")
+    if draft == "07":
+        if of == "results":
+            raise BadInput("schema results --draft 07: read 07; allowed: 2020-12; only the schema of cases has both drafts")
+        print(authoring.draft_07(), end="")
+    else:
+        print(authoring.schema() if of == "cases" else results_json.schema(), end="")
     return OK
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from cyclopts import App, CycloptsError, Parameter
 
 from bodycheck.commands.authoring import cases, expect, new, schema, validate
+from bodycheck.commands.cite import cite
 from bodycheck.commands.compare import compare
 from bodycheck.commands.engines import engines
 from bodycheck.commands.ensembles import gather, query
@@ -36,7 +37,7 @@ COMMANDS: tuple[Callable[..., int] | App, ...] = (
     *plain_command.of_studies(),
     gather,
     query,
-    *(compare, report, rerun, diff, site, submit, truth, export, cases, engines, validate, new, schema, expect),
+    *(compare, report, rerun, diff, site, submit, truth, export, cases, engines, validate, new, schema, expect, cite),
 )
 
 for command in COMMANDS:

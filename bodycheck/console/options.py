@@ -1,12 +1,14 @@
 """The arguments and options that several commands share, with their help texts."""
 
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from bodycheck.casefile.robot_notes import Ignored
+from bodycheck.errors import BadInput
 
 #: One of several cases.
 CaseName = Annotated[
@@ -45,9 +47,20 @@ Out = Annotated[Path | None, Parameter(help="The folder for the tables, the reco
 
 Jobs = Annotated[int | None, Parameter(help="The number of processes. Default: the number of processors.")]
 
+
+def _check_drawing(_: type, formats: tuple[str, ...]) -> None:
+    """Raise `BadInput` if plots are asked for and nothing can draw them, before anything runs."""
+    if formats and find_spec("vl_convert") is None:
+        raise BadInput("--figures needs vl-convert: pip install 'bodycheck[figures]'")
+
+
 Figures = Annotated[
     tuple[Literal["png", "svg"], ...],
-    Parameter(help="Also write every plot of the report into the folder figures/. May be given once for each format."),
+    Parameter(
+        help="Also write every plot of the report into the folder figures/. May be given once for each format. Needs the "
+        "extra figures.",
+        validator=_check_drawing,
+    ),
 ]
 
 JUnit = Annotated[Path | None, Parameter(help="A file (.xml) for the expectations as test results that CI systems can read.")]

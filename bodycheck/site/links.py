@@ -59,6 +59,11 @@ def badge(name: str) -> str:
     return f"badges/{slug(name)}.svg"
 
 
+def endpoint(name: str, version: str | None = None) -> str:
+    """Return the address of the data of the badge of an engine: of its newest release with runs, or of a release."""
+    return f"badges/{slug(name if version is None else f'{name}-{version}')}.json"
+
+
 def data(source: Submission) -> str:
     """Return the address of the data of a submission, without the extension: .json for programs, .js for pages."""
     return f"{DATA}{source.key}"

@@ -11,6 +11,7 @@ from typing import Any
 
 from sphinx.application import Sphinx
 
+from benchmarks import speed
 from docs.extensions import case_grammar, command_line, python_interface, result_columns
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -51,10 +52,18 @@ def _of_the_repository(name: str) -> Callable[[], str]:
 
 
 #: Pages about the development by the names of the files beside docs/.
-DEVELOPMENT = {"CONTRIBUTING": "contributing", "SECURITY": "security", "CHANGELOG": "changes"}
+DEVELOPMENT = {
+    "CONTRIBUTING": "contributing",
+    "SECURITY": "security",
+    "CHANGELOG": "changes",
+    "SUPPORT": "support",
+    "GOVERNANCE": "governance",
+    "CODE_OF_CONDUCT": "code-of-conduct",
+}
 
 #: What makes the generated parts of pages, by the pages' names.
 PAGES: dict[str, Callable[[], str]] = {
+    "development/speed": speed.page,
     "reference/case-files": case_grammar.page,
     "reference/columns": result_columns.page,
     "reference/command-line": command_line.page,

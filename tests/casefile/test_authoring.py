@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from jsonschema import Draft202012Validator
+from jsonschema import Draft7Validator, Draft202012Validator
 
 from bodycheck import CaseFaults, load
 from bodycheck.casefile.authoring import SCHEMA_FILE, new, schema, template
@@ -21,6 +21,7 @@ from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.suggestion import did_you_mean
+from tests.support import ROOT
 from tests.support.commands import bodycheck, call
 from tests.support.tumbling import TUMBLING
 
@@ -112,6 +113,33 @@ def test_the_schema_that_is_shipped_is_that_of_the_grammar() -> None:
 def test_the_command_prints_the_schema(capsys: pytest.CaptureFixture[str]) -> None:
     assert call("schema") == 0
     assert capsys.readouterr().out == schema()
+
+
+def test_the_schema_in_draft_07_means_the_same(capsys: pytest.CaptureFixture[str], validator: Draft202012Validator) -> None:
+    """All shipped cases fit both, and what does not fit one does not fit the other, at the same places."""
+    assert call("schema", "--draft", "07") == 0
+    printed = json.loads(capsys.readouterr().out)
+    Draft7Validator.check_schema(printed)
+    assert "$defs" not in json.dumps(printed)
+    older = Draft7Validator(printed)
+    for name in shipped():
+        table = tomllib.loads(FILES[name].read_text("utf-8"))
+        assert older.is_valid(table), name
+        for key in list(table):
+            for changed in (table | {key: "no such value"}, {one: table[one] for one in table if one != key}, table | {"x": 1}):
+                assert older.is_valid(changed) is validator.is_valid(changed), (name, key)
+
+
+def test_the_schema_of_results_has_one_draft() -> None:
+    with pytest.raises(BadInput, match="schema results --draft 07: read 07; allowed: 2020-12"):
+        call("schema", "results", "--draft", "07")
+
+
+def test_the_entry_for_catalogues_names_the_files_of_cases() -> None:
+    entry = json.loads((ROOT / "docs" / "editors" / "schemastore.json").read_text("utf-8"))
+    assert set(entry) == {"name", "description", "fileMatch", "url"}
+    assert entry["fileMatch"] == [f"*{SUFFIX}"]
+    assert entry["url"].endswith("/schemas/case.draft-07.schema.json")
 
 
 @pytest.mark.parametrize("name", shipped())

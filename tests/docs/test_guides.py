@@ -22,7 +22,7 @@ def test_a_guide_prints_what_it_shows(page: Path, tmp_path: Path, monkeypatch: p
     (tmp_path / "bodycheck").symlink_to(ROOT)
     if any(isinstance(step, Command) and step.downloads for step in steps(page)):
         path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-        done = follow_afresh(page, tmp_path / "guide", os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)})
+        done = follow_afresh(steps(page), tmp_path / "guide", os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)})
     else:
         (tmp_path / "guide").mkdir()
         with calls_here():

@@ -121,9 +121,36 @@ def test_recipes_leave_the_python_of_the_job_alone_and_need_no_new_bash() -> Non
 
 
 def test_the_hook_of_pre_commit_checks_case_files(repository: Path) -> None:
-    (hook,) = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text("utf-8"))
+    hook, _ = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text("utf-8"))
     files = [str(path.relative_to(repository)) for path in repository.rglob("*") if re.search(hook["files"], str(path))]
     assert files == ["physics/own.case.toml"]
     assert run(f"{hook['entry']} {files[0]}", repository).stdout == "own: valid\n"
     (repository / files[0]).write_text(CASE.replace("mass = 1.0", "mass = -1.0"))
     assert run(f"{hook['entry']} {files[0]}", repository).returncode == 2
+
+
+#: A robot of two bodies; its upper body has the mass in braces.
+ROBOT = """\
+<robot name="arm">
+  <link name="base"/>
+  <link name="arm">
+    <inertial><mass value="{}"/><inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
+</robot>
+"""
+
+
+def test_the_hook_of_pre_commit_compares_robots(repository: Path) -> None:
+    """With the exit code of parity: 1 for a file that an engine refuses."""
+    _, hook = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text("utf-8"))
+    assert [name for name in ("a.urdf", "b/c.xml", "d.case.toml", "e.xml.txt") if re.search(hook["files"], name)] == [
+        "a.urdf",
+        "b/c.xml",
+    ]
+    (repository / "arm.urdf").write_text(ROBOT.format("1.0"), "utf-8")
+    entry = f"{hook['entry']} --engine mujoco --states 2 arm.urdf"
+    done = run(entry, repository)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (repository / "arm.urdf").write_text(ROBOT.format("-1.0"), "utf-8")
+    assert run(entry, repository).returncode in (1, 2)

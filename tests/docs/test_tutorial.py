@@ -36,7 +36,7 @@ def test_the_tutorial_can_be_followed_from_a_checkout_on(tmp_path: Path) -> None
         name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "GITHUB_", "VIRTUAL_ENV"))
     }
     environment |= {"PATH": f"{tmp_path / 'bin'}:/usr/bin:/bin", "BODYCHECK_CACHE": str(tmp_path / "cache")}
-    done = follow_afresh(PAGE, tmp_path / "bodycheck", environment)
+    done = follow_afresh(steps(PAGE), tmp_path / "bodycheck", environment)
     assert not failures(done), "\n\n".join(failures(done))
     assert sum(step.downloads for step in steps(PAGE) if hasattr(step, "downloads")) == 6
     assert (tmp_path / "environment" / "bin" / "bodycheck").exists()

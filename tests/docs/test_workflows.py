@@ -21,7 +21,13 @@ FOLDER = ROOT / ".github" / "workflows"
 RIGHTS = {
     ("sites", "publish"): {"pages": "write", "id-token": "write"},
     ("weekly", "propose"): {"contents": "write", "pull-requests": "write"},
+    ("release", "publish"): {"id-token": "write"},
+    ("release", "attest"): {"id-token": "write", "attestations": "write"},
+    ("release", "announce"): {"contents": "write"},
 }
+
+#: All files that name actions, those for users included.
+PINNED = (ROOT / "action.yml", *sorted(FOLDER.glob("*.yml")), *sorted((ROOT / "docs" / "ci").glob("*.yml")))
 
 WORKFLOWS: dict[str, Any] = {path.stem: yaml.safe_load(path.read_text()) for path in sorted(FOLDER.glob("*.yml"))}
 JOBS = [(name, job) for name, workflow in WORKFLOWS.items() for job in workflow["jobs"]]
@@ -48,9 +54,21 @@ def test_a_change_of_a_stranger_gets_no_secret(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "job"), JOBS)
-def test_actions_are_of_a_version_and_of_github(name: str, job: str) -> None:
+def test_actions_are_of_github_or_publish_on_the_index(name: str, job: str) -> None:
     for step in WORKFLOWS[name]["jobs"][job]["steps"]:
-        assert re.fullmatch(r"actions/[a-z-]+@v\d+", step.get("uses", "actions/none@v1"))
+        if "uses" in step:
+            assert re.fullmatch(r"(actions/[a-z-]+|pypa/gh-action-pypi-publish)@[0-9a-f]{40}", step["uses"])
+
+
+@pytest.mark.parametrize("path", PINNED, ids=lambda path: path.name)
+def test_an_action_is_pinned_to_one_commit_and_its_version_is_named(path: Path) -> None:
+    """The commit is what runs; Dependabot and readers know it by the version. All files pin the same."""
+    lines = [line for line in path.read_text("utf-8").splitlines() if re.search(r"^\s*(- )?uses:", line)]
+    assert lines
+    for line in lines:
+        assert re.search(r"uses: [\w/-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+$", line), line
+    pins = {line.partition("uses: ")[2] for each in PINNED for line in each.read_text("utf-8").splitlines() if "uses: " in line}
+    assert len(pins) == len({pin.partition("@")[0] for pin in pins})
 
 
 @pytest.mark.parametrize(("name", "job"), JOBS)
@@ -63,6 +81,8 @@ def test_what_a_job_runs_exists(name: str, job: str) -> None:
 
 def test_what_may_write_runs_no_engine_and_what_publishes_runs_nothing() -> None:
     assert not scripts("sites", "publish").strip()
+    assert not scripts("release", "publish").strip()
+    assert scripts("release", "announce").strip().startswith("gh release create")
     assert "--newest" not in scripts("weekly", "propose")
     assert "--newest" in scripts("weekly", "newest")
 

@@ -24,6 +24,8 @@ SHIPPED = (
     "driven/*.xml",
     "template*.toml",
     "*.schema.json",
+    "sources.toml",
+    "*/citation.bib",
     "templates/*.*",
     "templates/player/*.js",
     "site/*.toml",

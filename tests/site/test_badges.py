@@ -1,5 +1,6 @@
 """Badges: counts of the newest release with runs, a name for readers, and text of the width that is drawn."""
 
+import json
 from xml.etree import ElementTree
 
 import pytest
@@ -50,3 +51,18 @@ def test_texts_fit_their_fields() -> None:
 def test_any_message_is_well_formed(message: str) -> None:
     root = ElementTree.fromstring(badges.badge(message))
     assert root.attrib["aria-label"] == f"bodycheck | {message}"
+
+
+def test_services_of_badges_read_the_same_counts_of_every_release() -> None:
+    """By the endpoint of Shields: four keys, of which the version of the schema is 1."""
+    written = {one.path: json.loads(one.content) for one in badges.pages(example.catalogue()) if one.path.endswith(".json")}
+    assert set(written) > {"badges/mujoco.json", "badges/mujoco-4.0.0.json"}
+    newest = written["badges/mujoco.json"]
+    assert newest == written["badges/mujoco-4.0.0.json"]
+    assert newest == {
+        "schemaVersion": 1,
+        "label": "bodycheck",
+        "message": "mujoco 4.0.0: 3 ran, 0 failed, 0 refused, 0 unsupported",
+        "color": "#0b5cad",
+    }
+    assert len({one["message"] for path, one in written.items() if path != "badges/mujoco.json"}) == len(written) - 1

@@ -115,8 +115,8 @@ def _by_shell(command: Command, folder: Path, code: int) -> Printed:
     return Printed(command, ended.stdout, ended.returncode)
 
 
-def follow_afresh(page: Path, folder: Path, environment: Mapping[str, str]) -> list[Printed]:
-    """Follow a page from a folder by one shell on a terminal, as a reader does, with all that needs a network.
+def follow_afresh(followed: Sequence[Command | File], folder: Path, environment: Mapping[str, str]) -> list[Printed]:
+    """Follow the steps of a page from a folder by one shell on a terminal, as a reader does, with all that needs a network.
 
     environment: the variables of the shell, to which those of the terminal come.
     """
@@ -125,7 +125,7 @@ def follow_afresh(page: Path, folder: Path, environment: Mapping[str, str]) -> l
     errors.mkdir()
     commands: list[Command] = []
     script = [f"cd {shlex.quote(str(folder))}", "code=0"]
-    for step in steps(page):
+    for step in followed:
         if isinstance(step, File):
             script.append(f"cat > {shlex.quote(step.name)} << 'END OF FILE'\n{step.text}END OF FILE")
         else:

@@ -1,5 +1,9 @@
-"""A badge for each engine: how many scenes its newest release ran, failed, refused and so on. It has no score."""
+"""A badge for each engine: how many scenes its newest release ran, failed, refused and so on. It has no score.
 
+The same counts, of this release and of every other one, are files that services of badges read (the endpoint of Shields).
+"""
+
+import json
 from collections.abc import Iterator
 
 from markupsafe import escape
@@ -11,6 +15,9 @@ from bodycheck.site.render import File
 
 #: The text on the left side of a badge.
 LABEL = "bodycheck"
+
+#: The colour of the right side.
+COLOUR = "#0b5cad"
 
 #: The widths of characters of Verdana and DejaVu Sans at 11 px (pixels), rounded up; other characters count as `WIDEST`.
 WIDTHS = {
@@ -29,7 +36,17 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
     """Yield the badges."""
     for engine in catalogue.engines:
         ran = [one for one in releases(catalogue, engine) if one.runs]
-        yield File(links.badge(engine), badge(text(ran[-1]) if ran else f"{engine}: not measured").encode())
+        newest = text(ran[-1]) if ran else f"{engine}: not measured"
+        yield File(links.badge(engine), badge(newest).encode())
+        yield File(links.endpoint(engine), endpoint(newest))
+        for release in ran:
+            yield File(links.endpoint(engine, release.version), endpoint(text(release)))
+
+
+def endpoint(message: str) -> bytes:
+    """Return what a service of badges needs to draw a badge with a message."""
+    drawn = {"schemaVersion": 1, "label": LABEL, "message": message, "color": COLOUR}
+    return (json.dumps(drawn, ensure_ascii=False) + "\n").encode()
 
 
 def text(release: Release) -> str:
@@ -55,7 +72,7 @@ def badge(message: str) -> str:
         f'aria-label="{escape(f"{LABEL} | {message}")}">'
         f"<title>{escape(f'{LABEL} | {message}')}</title>"
         f'<rect width="{edge}" height="{HEIGHT}" fill="#3d444d"/>'
-        f'<rect x="{edge}" width="{whole - edge}" height="{HEIGHT}" fill="#0b5cad"/>'
+        f'<rect x="{edge}" width="{whole - edge}" height="{HEIGHT}" fill="{COLOUR}"/>'
         f"<g {style}>"
         f'<text x="{MARGIN}" y="14" textLength="{left}">{LABEL}</text>'
         f'<text x="{edge + MARGIN}" y="14" textLength="{right}">{escape(message)}</text>'

@@ -1,0 +1,1 @@
+"""How distributions of bodycheck are built, checked and tried; no package contains this folder."""
