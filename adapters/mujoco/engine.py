@@ -34,7 +34,6 @@ from bodycheck.adapters.mujoco import (
     mechanism_xml,
     mechanisms,
     options,
-    robot_steps,
     robots,
     sensing,
     single,
@@ -112,7 +111,7 @@ engine = Engine(
 calls = CALLS
 
 interface_loads, read_robot, compiled = touching.interface_loads, robots.read_robot, robots.compiled
-step_robot = robot_steps.step_robot
+step_robot = robots.step_robot
 file_facts, run_file = file_motion.file_facts, file_motion.run_file
 lacking, prepare_sensing = sensing.lacking, sensing.prepare_sensing
 

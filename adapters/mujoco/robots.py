@@ -16,19 +16,23 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from bodycheck.adapters.mujoco.robot_joints import Joint, body_name, effort_limit, joints_of, limits, mimics
+from bodycheck.adapters.mujoco.robot_joints import Joint, body_name, coordinates, effort_limit, joints_of, limits, mimics
 from bodycheck.adapters.mujoco.robot_model import model_of
 from bodycheck.adapters.mujoco.robot_terms import terms_of
 from bodycheck.adapters.mujoco.stepping import quiet
 from bodycheck.adapters.quiet import no_stderr, refusal
 from bodycheck.adapters.robot_numbers import along, components, matrix, vector
-from bodycheck.adapters.robot_reading import ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import JointStates, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
 
 #: The relative error of inertias in releases before 3.14, which find principal axes to a millionth or so at each weld.
 ROUNDING, EXACT_SINCE = 3e-5, (3, 14)
+
+#: The flags of MuJoCo that are disabled. What the compiler makes of joints stays, as limits and equality constraints.
+OFF = ("CONTACT", "ACTUATION", "GRAVITY")
 
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
@@ -174,3 +178,41 @@ def _actuators(model: mujoco.MjModel) -> str:
     names = (str(model.actuator(index).name) or f"actuator{index}" for index in range(model.nu))
     geared = (f"{name} with gear {gear[0]:g}" for name, gear in zip(names, model.actuator_gear, strict=True))
     return f"actuators ({', '.join(geared)})" if model.nu else ""
+
+
+def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, steps: int) -> list[JointStates]:
+    """Return the states after steps of MuJoCo, as `RobotSteps.step_robot` does."""
+    model = steppable(file, timestep)
+    joints, data = joints_of(model, file.format), mujoco.MjData(model)
+    ends = []
+    with quiet():
+        for start in starts:
+            mujoco.mj_resetData(model, data)
+            at = coordinates(model, joints, state_of(start))
+            data.qpos[:], data.qvel[:] = at.qpos, at.qvel
+            mujoco.mj_step(model, data, nstep=steps)
+            ends.append(joint_states(joints, data.qpos, data.qvel))
+    return ends
+
+
+def steppable(file: RobotFile, timestep: float) -> mujoco.MjModel:
+    """Return the compiled model of a file with a time step (s), without gravity, contacts and actuators."""
+    model = loaded(file.path)
+    model.opt.timestep = timestep
+    for flag in OFF:
+        model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
+    return model
+
+
+def state_of(start: JointStates) -> RobotState:
+    """Return a state of joints with one velocity as a state of a robot model."""
+    positions, velocities = ({name: (value,) for name, value in part.items()} for part in (start.positions, start.velocities))
+    return RobotState(positions, velocities, {}, {})
+
+
+def joint_states(joints: Sequence[Joint], qpos: Array, qvel: Array) -> JointStates:
+    """Return the states of the joints with one velocity from MuJoCo's positions (nq,) and velocities (nv,)."""
+    single = [joint for joint in joints if joint.type in ("revolute", "prismatic")]
+    return JointStates(
+        {joint.name: float(qpos[joint.qpos]) for joint in single}, {joint.name: float(qvel[joint.dof]) for joint in single}
+    )

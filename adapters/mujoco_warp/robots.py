@@ -18,9 +18,8 @@ import numpy as np
 import warp as wp
 
 from bodycheck.adapters.mujoco.robot_joints import body_name, columns, joints_of
-from bodycheck.adapters.mujoco.robot_steps import joint_states, state_of, steppable
 from bodycheck.adapters.mujoco.robot_terms import leave_out_what_is_not_asked, mass_matrix
-from bodycheck.adapters.mujoco.robots import described, loaded
+from bodycheck.adapters.mujoco.robots import described, joint_states, loaded, state_of, steppable
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.robot_numbers import pose
 from bodycheck.adapters.robot_reading import JointStates, ModelRefused, RobotFile, RobotReading

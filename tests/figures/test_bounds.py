@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bodycheck import Truth, load, truth
-from bodycheck.figures import impacts, mechanisms, sensors, touching
+from bodycheck.figures import friction, impacts, mechanisms, sensors, touching
 from bodycheck.figures.bounds import rounded_up, within_truth
 from bodycheck.figures.columns import BEFORE_DEPARTURE, COLUMNS, DEPARTURE, FIGURES, bounds_of, truth_bounds
 from bodycheck.figures.definition import Comparison
@@ -37,7 +37,7 @@ def test_the_new_columns_follow_those_that_were_there() -> None:
     first = names.index(BOUNDS[0])
     assert names[first - 1] == "time_in_contact"
     assert names[first : first + len(BOUNDS)] == BOUNDS
-    own = (figure.name for module in (mechanisms, touching, sensors, impacts) for figure in module.FIGURES)
+    own = (figure.name for module in (mechanisms, touching, friction, sensors, impacts) for figure in module.FIGURES)
     later = (
         "quaternion_norm_error",
         *own,

@@ -24,6 +24,7 @@ SHIPPED = (
     "driven/*.xml",
     "template*.toml",
     "*.schema.json",
+    "studies/estimate/factors.json",
     "sources.toml",
     "*/citation.bib",
     "templates/*.*",

@@ -177,6 +177,7 @@ def test_the_pointer_finds_values(visit: Visit) -> None:
 def test_foreign_strings_are_text(visit: Visit) -> None:
     page = visit.page
     page.locator("#case-intermediate-axis-flip h2").scroll_into_view_if_needed()
+    page.wait_for_function("document.querySelector('#case-intermediate-axis-flip h2').innerText")  # drawn when it is near
     assert page.inner_text("#case-intermediate-axis-flip h2").startswith(HOSTILE.replace("\u202e", "").split("שלום")[0])
     assert page.locator("#case-intermediate-axis-flip h2").evaluate("title => title.textContent") == f"{HOSTILE} {LONG}"
     assert page.locator("h2 b, h2 script, .note b, td b").count() == 0

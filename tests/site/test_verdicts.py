@@ -39,6 +39,7 @@ def test_the_site_shows_the_lines_of_the_contact_sheet() -> None:
     shown = engine_facts.contact_sheet(catalogue, "mujoco")
     assert [facts.line for facts in shown] == lines([ContactRow(**row) for row in rows])
     for facts in shown:
-        for row, entry in ((facts.line.at_defaults, facts.at_defaults), (facts.line.at_best, facts.at_best)):
-            assert (row is None) == (entry is None)
-            assert row is None or entry is None or (row.setting, row.value) == (entry.get("setting"), entry.get("value"))
+        assert facts.line.rows.keys() == facts.entries.keys()
+        for setting, row in facts.line.rows.items():
+            entry = facts.entries[setting]
+            assert (row.setting, row.value) == (entry.get("setting"), entry.get("value"))

@@ -32,10 +32,11 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.running import engines, truths
 from bodycheck.running.refining import Ended, Motion, RunCase, run_case
 from bodycheck.studies.estimate import factors, refinement
-from bodycheck.studies.estimate.distances import PLACES, differences
+from bodycheck.studies.estimate.distances import differences
 from bodycheck.studies.estimate.factors import KINDS, Factor, Kind
 from bodycheck.studies.estimate.levels import instants_of, own_steps
 from bodycheck.studies.estimate.method import ERROR, FINER, Refined, Run, Subject, refined
+from bodycheck.studies.estimate.quantities import PLACES
 from bodycheck.studies.estimate.refinement import Reference
 
 #: The shipped cases whose members are drawn, by classes.

@@ -4,11 +4,13 @@ import json
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
-from bodycheck.running.refining import Motion
+
+if TYPE_CHECKING:  # reports are written where there are no engines
+    from bodycheck.running.refining import Motion
 
 #: The classes of scenes, from the smoothest motion to the least smooth one.
 Kind = Literal["smooth", "driven", "dry friction", "soft contact", "impacts"]
@@ -74,7 +76,7 @@ def of_case(scene: AnyScene) -> Kind:
     return "driven" if scene.pushes else "smooth"
 
 
-def of_file(motion: Motion, driven: bool, friction: bool) -> Kind:
+def of_file(motion: "Motion", driven: bool, friction: bool) -> Kind:
     """Return the class of the scene of a file from its finest motion. driven, friction: as in `FileFacts`."""
     acting = [frozenset(one for one in regime if not one.startswith("saturation")) for regime in motion.regimes]
     if len(set(acting)) > 1:

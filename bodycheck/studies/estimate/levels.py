@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 from bodycheck.running.refining import Motion
-from bodycheck.studies.estimate.distances import OF_ONE_RUN, differences
+from bodycheck.studies.estimate.distances import differences
+from bodycheck.studies.estimate.quantities import OF_ONE_RUN
 
 #: The time (s) by which two instants that are the same may differ.
 SAME = 1e-6

@@ -14,8 +14,8 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 from bodycheck.running.refining import Ended, Motion
 from bodycheck.studies.estimate import refinement
-from bodycheck.studies.estimate.distances import ANGLES, OF_ONE_RUN, PLACES
 from bodycheck.studies.estimate.levels import Level, Levels, instants_of, sampled_steps
+from bodycheck.studies.estimate.quantities import ANGLES, OF_ONE_RUN, PLACES
 from bodycheck.studies.estimate.refinement import Interval, Reference
 
 #: The error (rad or m) that is allowed if none is named, and from which on the difference that one rounding makes is chaos.

@@ -14,7 +14,7 @@ from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
 from bodycheck.results.key import RunKey
 from bodycheck.studies.estimate import wording
-from bodycheck.studies.estimate.distances import AT_END
+from bodycheck.studies.estimate.quantities import AT_END
 from bodycheck.studies.estimate.rows import ESTIMATE, EstimateRow, Estimates
 
 #: Explanations for readers.

@@ -5,7 +5,7 @@ from bodycheck.console.options import AS_USUAL, View
 from bodycheck.console.output import say, tell
 from bodycheck.console.tables import Column, attribute, show
 from bodycheck.studies.estimate import wording
-from bodycheck.studies.estimate.distances import AT_END
+from bodycheck.studies.estimate.quantities import AT_END
 from bodycheck.studies.estimate.rows import EstimateRow, Estimates, choices
 
 #: The columns of the table.

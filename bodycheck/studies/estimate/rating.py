@@ -7,9 +7,9 @@ import numpy as np
 
 from bodycheck.reports.quantities import number
 from bodycheck.studies.estimate import refinement
-from bodycheck.studies.estimate.distances import AT_END, OF_ONE_RUN
 from bodycheck.studies.estimate.levels import Levels
 from bodycheck.studies.estimate.method import Refined, Subject, horizons
+from bodycheck.studies.estimate.quantities import AT_END, OF_ONE_RUN
 from bodycheck.studies.estimate.refinement import Interval, Reference
 from bodycheck.studies.estimate.rows import CHAOTIC, ESTIMATE, NO_TIME, NOT_ASYMPTOTIC, UNSUPPORTED, EstimateRow
 

@@ -33,8 +33,9 @@ from bodycheck.running.instants import default_timestep
 from bodycheck.running.refining import AskFile, Call, Ended, Motion, RunCase, RunFile
 from bodycheck.running.tasks import Question, answer
 from bodycheck.studies.estimate import factors, rating
-from bodycheck.studies.estimate.distances import AT_END, NAMED, PLACES, SHORT, USUAL, differences
+from bodycheck.studies.estimate.distances import differences
 from bodycheck.studies.estimate.method import NoTime, Refined, Subject, refined, searched
+from bodycheck.studies.estimate.quantities import AT_END, NAMED, PLACES, SHORT, USUAL
 from bodycheck.studies.estimate.rating import Head
 from bodycheck.studies.estimate.rows import (
     NO_TIME,

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.reports.quantities import QUANTITIES, listing, milliseconds, number
-from bodycheck.studies.estimate.distances import AT_END
 from bodycheck.studies.estimate.factors import factors
+from bodycheck.studies.estimate.quantities import AT_END
 from bodycheck.studies.estimate.rows import (
     CHAOTIC,
     DIVERGED,

@@ -15,8 +15,7 @@ from bodycheck.reference.contact.witness import (
     resting,
 )
 from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
-from bodycheck.reference.mechanisms.mechanism import AnyScene
-from bodycheck.reference.requirements import grips
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import Witness
 
@@ -40,7 +39,8 @@ FAMILIES: tuple[Family, ...] = (
 
 def second(scene: AnyScene, times: Array) -> Witness | None:
     """The witness of a scene at ascending times (n,) >= 0 (s); None if no family follows its motion."""
-    families = (gripped.second,) if grips(scene) else FAMILIES if scene.plane is not None else (colliding.second,)
+    fingers = isinstance(scene, Mechanism) and scene.joints
+    families = (gripped.second,) if fingers else FAMILIES if scene.plane is not None else (colliding.second,)
     try:
         with within_range("the second way"):
             return next((witness for family in families if (witness := family(scene, times)) is not None), None)

@@ -11,8 +11,8 @@ import pytest
 import bodycheck
 from bodycheck.errors import BadInput
 from bodycheck.studies.estimate import factors
-from bodycheck.studies.estimate.distances import AT_END
 from bodycheck.studies.estimate.interface import EstimateResults
+from bodycheck.studies.estimate.quantities import AT_END
 from bodycheck.studies.estimate.rows import ESTIMATE, EstimateRow
 
 COLUMNS = "file,engine,version,integrator,timestep,quantity,estimate,low,high,order,verdict,reason,horizon,cost"
