@@ -6,6 +6,7 @@ The runs are made by a function that the caller gives, so that this module knows
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -161,7 +162,8 @@ class Refined:
     def of_pair(self, pair: Levels, quantity: str, known: Reference, at_end: bool = False) -> tuple[Interval, Interval]:
         """Return the estimates of the errors of a step that the search tried, and of its finer run, over the whole time.
 
-        The finer run is not compared with another one: its error is that of the reference, scaled by the order.
+        The finer run is not compared with another one: its error is between those of the levels beside it, or that of the
+        reference, scaled by the order.
         """
         end = float(pair.instants[-1])
         nudge = refinement.accumulated(self.levels.nudge(quantity, end), pair.levels[1].motion.steps)
@@ -173,9 +175,20 @@ class Refined:
         if known.kind == "rounding":
             size = max(apart, nudge)
             return refinement.around(0.0, 0.0, size, self.factor), refinement.around(0.0, 0.0, size, self.factor)
-        ratio = pair.levels[1].timestep / self.levels.levels[known.level].timestep
-        error = known.error * ratio**known.order
+        error = self._on_power_law(pair.levels[1].timestep, self.intervals(quantity, end, known, at_end), known)
         return refinement.around(apart, error, nudge, self.factor), refinement.around(0.0, error, nudge, self.factor)
+
+    def _on_power_law(self, timestep: float, intervals: Sequence[Interval | None], known: Reference) -> float:
+        """Return the error at a time step (s), on the power law through the estimates of the levels beside it.
+
+        Where the levels beside it have none, the error is that of the reference, scaled by its order.
+        """
+        for one, other, (coarse, fine) in zip(intervals, intervals[1:], pairwise(self.levels.levels), strict=False):
+            inside = fine.timestep <= timestep <= coarse.timestep
+            if inside and one is not None and other is not None and one.estimate > 0 and other.estimate > 0:
+                slope = refinement.order(one.estimate, other.estimate, coarse.timestep / fine.timestep)
+                return float(other.estimate * (timestep / fine.timestep) ** slope)
+        return float(known.error * (timestep / self.levels.levels[known.level].timestep) ** known.order)
 
 
 def refined(subject: Subject, method: Method, run: Run, order: float = math.inf) -> Refined | Ended:

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,17 @@ def test_the_intervals_contain_the_true_errors(tumbling: EstimateResults) -> Non
         assert row.low <= error <= row.high, row
         checked += 1
     assert checked >= 8
+
+
+@pytest.mark.slow
+def test_steps_that_the_search_tried_lie_between_the_levels_beside_them() -> None:
+    """Errors of RK4 on a cart with a pole fall faster than the claimed order at large steps."""
+    found = bodycheck.estimate("cart-pole", engine="mujoco", integrator="RK4", blind=True)
+    rows = sorted(rows_of(found, "attitude_error"), key=lambda row: row.timestep)
+    known = [(row.timestep, row.estimate) for row in rows if row.estimate and row.timestep >= 0.004]
+    assert len(known) > 6
+    slopes = [np.log(above / below) / np.log(h / fine) for (fine, below), (h, above) in pairwise(known)]
+    assert min(slopes) > 3.5, slopes
 
 
 def _samples(name: str, duration: float) -> int:
