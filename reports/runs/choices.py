@@ -7,10 +7,11 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 
+from bodycheck.adapters.contract import Efforts
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
-from bodycheck.reports.quantities import QUANTITIES, bound, count, milliseconds, number
+from bodycheck.reports.quantities import bound, count, milliseconds, number
 from bodycheck.reports.runs.comparison import Shown
 from bodycheck.reports.runs.kinds import KINDS, Kind, kind_of
 from bodycheck.results.key import RunKey
@@ -30,7 +31,8 @@ MOST_DEFAULTS = 3
 class Tried:
     """A method in a case: its error (rad or m), or the error bound of the truth if that is larger, and the cost of its run.
 
-    The truth's own error (rad or m) is at most `truth_error`, which is 0 if it is not known.
+    The truth's own error (rad or m) is at most `truth_error`, which is 0 if it is not known. `efforts` says when those of
+    driven joints were computed, on which the wall time depends.
     """
 
     line: Line
@@ -39,6 +41,7 @@ class Tried:
     truth_error: float
     wall_time: float
     duration: float
+    efforts: Efforts
     default: bool
 
     @property
@@ -56,7 +59,8 @@ class Option:
     worst
         The run with the largest error.
     cost
-        The computing time (s) of a second of motion, on average over the cases; None if it was not measured.
+        The computing time (s) of a second of motion, on average over the cases in which all methods computed the efforts of
+        driven joints at the same instants; None if there is none, or if it was not measured.
     """
 
     worst: Tried
@@ -91,7 +95,7 @@ class Choice:
     options
         The methods, in the order of the report.
     chosen
-        The cheapest method that is accurate enough; the most accurate one if none is.
+        The cheapest method that is accurate enough; the most accurate one if none is, or if no costs can be compared.
     """
 
     kind: Kind
@@ -119,7 +123,8 @@ class Choice:
             return Finding(self.kind.title, text, self.chosen.worst.case, f".{cost}")
         start = f"{self.chosen.name} stays"
         if len(self.options) > 1:
-            start = f"Of {len(self.options)} methods, {self.chosen.name} is the cheapest that stays"
+            best = "the most accurate, and stays" if self.chosen.cost is None else "the cheapest that stays"
+            start = f"Of {len(self.options)} methods, {self.chosen.name} is {best}"
         text = f"{start} within {limit} {where}: {most} in "
         last = max(self.options, key=lambda option: option.error)
         rest = f" The largest error is {number(last.error, 2)} {unit}, with {last.name}." if last != self.chosen else ""
@@ -145,9 +150,9 @@ def tried(cases: Sequence[Shown], lines: Mapping[RunKey, Line], demonstrations: 
             key = verdict.key.over_cases
             if key not in demonstrations and (errors := _errors(verdict, kind)) is not None:
                 outcome = verdict.outcome
-                wall_time = outcome.wall_time if isinstance(outcome, Completed) else 0.0
+                wall_time, efforts = (outcome.wall_time, outcome.efforts) if isinstance(outcome, Completed) else (0.0, "")
                 default = "default" in (verdict.run.role or "")
-                runs[kind].append(Tried(lines[key], case.name, *errors, wall_time, verdict.duration, default))
+                runs[kind].append(Tried(lines[key], case.name, *errors, wall_time, verdict.duration, efforts, default))
     return {kind: of_kind for kind, of_kind in runs.items() if of_kind}
 
 
@@ -176,13 +181,17 @@ def _choice(kind: Kind, runs: Sequence[Tried]) -> Choice:
         by_line.setdefault(one.line, {})[one.case] = one
     sets = [frozenset(own) for own in by_line.values()]
     compared = max(sets, key=lambda cases: (len(cases), sets.count(cases)))
-    options = [_option([tries[case] for case in sorted(compared)]) for tries in by_line.values() if compared <= tries.keys()]
+    complete = [tries for tries in by_line.values() if compared <= tries.keys()]
+    timed = [case for case in sorted(compared) if len({tries[case].efforts for tries in complete}) == 1]
+    options = [_option([tries[case] for case in sorted(compared)], timed) for tries in complete]
     return Choice(kind, len(compared), len({one.case for one in runs}), tuple(options), _chosen(options))
 
 
-def _option(runs: Sequence[Tried]) -> Option:
-    timed = all(one.wall_time and one.duration for one in runs)
-    cost = sum(one.wall_time for one in runs) / sum(one.duration for one in runs) if timed else None
+def _option(runs: Sequence[Tried], timed: Collection[str]) -> Option:
+    """Return a method in some cases. timed: those in which the costs of all methods can be compared."""
+    costs = [one for one in runs if one.case in timed]
+    known = costs and all(one.wall_time and one.duration for one in costs)
+    cost = sum(one.wall_time for one in costs) / sum(one.duration for one in costs) if known else None
     return Option(max(runs, key=lambda one: one.error), cost)
 
 
@@ -241,7 +250,7 @@ def defaults(runs: Mapping[Kind, Sequence[Tried]]) -> tuple[Finding, ...]:
 
 
 def _of_default(worst: Tried, kind: Kind, runs: Sequence[Tried]) -> Finding:
-    unit, engine = QUANTITIES[kind.quantity].unit, worst.line.engine
+    unit, engine = kind.figure.unit, worst.line.engine
     start = f"The default of {engine}, {worst.method}, "
     if worst.error <= ENOUGH:
         return Finding("Default", f"{start}is off by at most {bound(worst.error, 2)} {unit}, in ", worst.case, ".")
@@ -249,7 +258,7 @@ def _of_default(worst: Tried, kind: Kind, runs: Sequence[Tried]) -> Finding:
     better = min(beside, key=lambda one: one.error, default=worst)
     rest = "."
     if better.error < worst.error / 2:
-        times = better.wall_time / worst.wall_time if worst.wall_time else 0.0
+        times = better.wall_time / worst.wall_time if worst.wall_time and better.efforts == worst.efforts else 0.0
         cost = f" at {number(times, 2)} times the cost" if times else ""
         rest = f", where {better.method} is off by {number(better.error, 2)} {unit}{cost}."
     if worst.truth_error:

@@ -12,7 +12,7 @@ from bodycheck.adapters.contract import kind_of as scene_kind
 from bodycheck.casefile.content import Case
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.lines import Line
-from bodycheck.reports.quantities import QUANTITIES, Quantity, milliseconds, number, within
+from bodycheck.reports.quantities import Quantity, milliseconds, number, within
 from bodycheck.reports.runs.commands import curve_anchor
 from bodycheck.reports.runs.kinds import KINDS, Kind, kind_of
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, firsts
@@ -142,7 +142,7 @@ class Matrix:
     @property
     def quantity(self) -> Quantity:
         """Return the quantity whose maxima the cells show."""
-        return QUANTITIES[self.kind.quantity]
+        return self.kind.figure
 
     @property
     def engines(self) -> tuple[tuple[str, int, str], ...]:
@@ -278,7 +278,7 @@ def _figure(verdict: Verdict, kind: Kind, link: str, run: str) -> Figure:
     if verdict.discrepancy is None:
         text, meaning = verdict.outcome.status, verdict.reason
     else:
-        maxima, quantity = verdict.discrepancy.maxima(), QUANTITIES[kind.quantity]
+        maxima, quantity = verdict.discrepancy.maxima(), kind.figure
         error, own = maxima[quantity.name], quantity.within_truth(maxima)
         size = error if own is None else own
         if own is not None:

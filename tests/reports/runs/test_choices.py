@@ -67,6 +67,23 @@ def test_of_one_method_the_largest_accurate_step_is_chosen() -> None:
     assert choice.chosen.line.timestep == 0.01
 
 
+def test_costs_are_compared_only_where_efforts_are_computed_alike() -> None:
+    """A law that is computed at the stages of a scheme costs more calls than one that is computed between steps."""
+
+    def driven(verdict: Verdict, efforts: str) -> Verdict:
+        outcome = replace(verdict.outcome, efforts=efforts)  # type: ignore[call-arg]
+        return replace(verdict, run=replace(verdict.run, outcome=outcome), outcome=outcome)
+
+    ways = (("a", 1e-4, 1.0, "at stages"), ("b", 1e-6, 9.0, "between steps"))
+    runs = [driven(timed(ran(FLIP, integrator=way, attitude_error=error), cost), efforts) for way, error, cost, efforts in ways]
+    (choice,) = chosen(*runs)
+    assert (choice.chosen.line.integrator, choice.chosen.cost) == ("b", None)
+    assert "mujoco b at 2 ms is the most accurate, and stays within 0.001 rad" in choice.finding.text
+    free = [timed(ran(OTHER, integrator=way, attitude_error=1e-9), 1.0) for way, *_ in ways]
+    (choice,) = chosen(*runs, *free)
+    assert {option.cost for option in choice.options} == {1.0}
+
+
 def test_without_an_accurate_method_the_closest_is_named() -> None:
     runs = [timed(ran(FLIP, integrator=way, attitude_error=error), 1.0) for way, error in (("a", 0.5), ("b", 0.002))]
     (choice,) = chosen(*runs)
