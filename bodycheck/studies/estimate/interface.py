@@ -25,6 +25,7 @@ from bodycheck.results.outcome import Completed
 from bodycheck.robots import whole_copy
 from bodycheck.running import campaign, logs
 from bodycheck.running.named import Decision
+from bodycheck.running.plan import check_method
 from bodycheck.studies.estimate import study
 from bodycheck.studies.estimate.method import ERROR
 from bodycheck.studies.estimate.page import present
@@ -170,6 +171,8 @@ def carry_out(given: OneCase, wanted: Wanted, engines: Engines, command: Sequenc
         As `asked` and `study.results` raise them.
     """
     with asked(given, wanted) as question:
+        for spelling in () if question.case is None else wanted.integrators:  # those of a file are the engine's own words
+            check_method(spelling, list(engines.records.values()))
         head = campaign.header(command, engines.records, engines.missing)
         with (
             output.work("estimating", len(engines.records)) as (folder, progress),

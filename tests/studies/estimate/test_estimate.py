@@ -162,6 +162,11 @@ def test_bad_input_has_one_clear_error(tmp_path: Path, options: dict[str, object
         bodycheck.estimate(path, engine="mujoco", **options)  # type: ignore[arg-type]
 
 
+def test_a_method_that_no_engine_has_is_bad_input() -> None:
+    with pytest.raises(BadInput, match=r"no engine has an integrator 'RK5'; .*did you mean 'RK4'\?"):
+        bodycheck.estimate("free-brick", engine="mujoco", integrator="RK5", blind=True)
+
+
 def test_controls_name_actuators_of_the_file(tmp_path: Path) -> None:
     path, controls = tmp_path / "pendulum.xml", tmp_path / "controls.csv"
     path.write_text(PENDULUM)
