@@ -4,13 +4,14 @@ Everything that the file says acts: contacts, tendons, actuators, limits, equali
 those of the file, or others that the caller names. Positions and attitudes are in the conventions of `bodycheck.reference`.
 """
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import EngineDiverged, EngineReset, Method
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.reference.trajectory import Array
 
@@ -92,6 +93,55 @@ class FileRun:
     nudged: bool = False
 
 
+@dataclass(frozen=True)
+class Names:
+    """The names of the bodies and joints of a motion, in the order of its arrays of the same names; see `FileMotion`."""
+
+    bodies: tuple[str, ...] = ()
+    angles: tuple[str, ...] = ()
+    turns: tuple[str, ...] = ()
+    slides: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A scene at one instant.
+
+    Attributes
+    ----------
+    position, quaternion
+        Centres of mass (b, 3), m, and attitudes (b, 4) of the bodies that can move.
+    angles, turns, slides
+        The angles (j,), rad, the attitudes (k, 4) and the displacements (s, 3), m, of joints.
+    regime
+        What acts, in words, as in `FileMotion.regimes`.
+    """
+
+    position: Array
+    quaternion: Array
+    angles: Array
+    turns: Array
+    slides: Array
+    regime: frozenset[str] = frozenset()
+
+
+class SteppedScene(Protocol):
+    """A scene of an engine at the start of a run, which `sampled` steps."""
+
+    @property
+    def names(self) -> Names:
+        """The names of what `seen` returns."""
+        ...
+
+    def advance(self, steps: int) -> None:
+        """Make steps. Raises `EngineDiverged` and `EngineReset`."""
+        ...
+
+    def seen(self) -> Seen:
+        """Return the present state."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class FileMotion:
     """The motion of a scene at n instants.
@@ -108,6 +158,8 @@ class FileMotion:
         The attitudes of joints of several angles, as unit quaternions (k, n, 4).
     slides
         The displacements of joints (s, n, 3), m.
+    names
+        The names of the bodies and joints, by which motions in several engines are compared.
     energy
         The potential and the kinetic energy (2, n), J; None if the scene does not keep its energy.
     regimes
@@ -137,6 +189,7 @@ class FileMotion:
     ended: str = ""
     reset: bool = False
     warnings: Mapping[str, int] = field(default_factory=dict)
+    names: Names = field(default_factory=Names)
 
 
 @runtime_checkable
@@ -158,6 +211,67 @@ def strides(times: Array, timestep: float) -> list[int]:
 
 
 def nudged(values: Sequence[float] | Array) -> Array:
-    """Return values that are larger by one rounding, by 1.1e-16 where that is more."""
-    array = np.asarray(values, np.float64)
-    return np.maximum(np.nextafter(array, np.inf), array + 2.0**-53)
+    """Return values that are larger by one rounding, by 1.1e-16 where that is more; in single precision, by 6e-8."""
+    array = np.asarray(values)
+    if array.dtype != np.float32:
+        array = array.astype(np.float64)
+    smallest = array.dtype.type(np.finfo(array.dtype).epsneg)
+    return np.asarray(np.maximum(np.nextafter(array, array.dtype.type(np.inf)), array + smallest))
+
+
+def check_run(engine: str, run: FileRun, methods: Sequence[str]) -> None:
+    """Raise `MotionRefused` unless an engine without keyframes, controls and options of methods can make a run.
+
+    engine: the name of the engine in messages. methods: the spellings of its methods.
+    """
+    if run.method.name not in methods:
+        raise MotionRefused(f"{engine} has no method {run.method.name!r} for files; there are: {', '.join(methods)}")
+    if run.keyframe:
+        raise MotionRefused(f"{engine} reads no keyframe {run.keyframe!r}")
+    if run.controls is not None:
+        raise MotionRefused(f"{engine} is not given the controls of actuators of a file")
+
+
+def sampled(scene: SteppedScene, run: FileRun) -> FileMotion:
+    """Return the motion of a scene without energies: it is stepped from its start through the instants of a run.
+
+    The motion ends early if the engine stops it, or if a position is not finite.
+    """
+    every: list[Seen] = []
+    done, wall_time, ended, reset = 0, 0.0, "", False
+    for stride in strides(run.times, run.method.timestep):
+        start = time.perf_counter()
+        try:
+            scene.advance(stride)
+        except EngineDiverged as error:
+            ended, reset = str(error), isinstance(error, EngineReset)
+        wall_time += time.perf_counter() - start
+        if ended:
+            break
+        done += stride
+        state = scene.seen()
+        if not all(np.isfinite(part).all() for part in (state.position, state.quaternion, state.angles, state.slides)):
+            ended = f"its state is not finite at t = {done * run.method.timestep:.6g} s"
+            break
+        every.append(state)
+    names = scene.names
+    return FileMotion(
+        t=run.times[: len(every)],
+        position=_over_time([one.position for one in every], (len(names.bodies), 3)),
+        quaternion=_over_time([one.quaternion for one in every], (len(names.bodies), 4)),
+        angles=_over_time([one.angles for one in every], (len(names.angles),)),
+        turns=_over_time([one.turns for one in every], (len(names.turns), 4)),
+        slides=_over_time([one.slides for one in every], (len(names.slides), 3)),
+        energy=None,
+        regimes=tuple(one.regime for one in every),
+        steps=done,
+        wall_time=wall_time,
+        ended=ended,
+        reset=reset,
+        names=names,
+    )
+
+
+def _over_time(states: Sequence[Array], shape: tuple[int, ...]) -> Array:
+    """Return n arrays of a shape (k, ...) as one array (k, n, ...) in double precision."""
+    return np.array(states, np.float64).reshape(len(states), *shape).swapaxes(0, 1)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import dartpy as dart
 import numpy as np
@@ -15,7 +16,7 @@ from bodycheck.adapters.contract import (
     Simulation,
     Usage,
 )
-from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms, sensing, touching
+from bodycheck.adapters.dart import INSTALLATION, contact, file_motion, mechanisms, sensing, touching
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, coordinates, inertia, place, pose, rows
 from bodycheck.adapters.dart.robots import read_robot as read_robot
 from bodycheck.adapters.dart.robots import step_robot as step_robot
@@ -53,6 +54,7 @@ engine = Engine(
 
 contact_law, contact_terms, lacking = contact.law, touching.terms, sensing.lacking
 interface_loads = touching.interface_loads
+file_facts, run_file = partial(file_motion.file_facts, INTEGRATOR), partial(file_motion.run_file, INTEGRATOR)
 
 #: The functions of DART that steps call from Python.
 calls = (

@@ -144,11 +144,7 @@ def of_mjcf(file: RobotFile) -> tuple[Any, list[str]]:
 
     Raises `ModelRefused`, and `FormatUnknown` if the file has several skeletons.
     """
-    with overheard() as said:
-        world = dart.utils.MjcfParser.readWorld(file.path)
-    lines = [COLOURS_AND_PLACES.sub("", line).strip() for line in said]
-    if world is None:
-        raise ModelRefused(refusal(file.path, " ".join(lines)))
+    world, lines = world_of_mjcf(file)
     every = [world.getSkeleton(index) for index in range(world.getNumSkeletons())]
     trees = [skeleton for skeleton in every if not skeleton.getName().startswith(SHAPES)]
     if len(trees) != 1:
@@ -156,6 +152,16 @@ def of_mjcf(file: RobotFile) -> tuple[Any, list[str]]:
     skeleton = trees[0]
     skeleton.setGravity(world.getGravity())
     return skeleton, lines
+
+
+def world_of_mjcf(file: RobotFile) -> tuple[Any, list[str]]:
+    """Return the world of an MJCF, and the lines that DART prints about the file. Raises `ModelRefused`."""
+    with overheard() as said:
+        world = dart.utils.MjcfParser.readWorld(file.path)
+    lines = [COLOURS_AND_PLACES.sub("", line).strip() for line in said]
+    if world is None:
+        raise ModelRefused(refusal(file.path, " ".join(lines)))
+    return world, lines
 
 
 def joints_of(skeleton: Any) -> list[Any]:

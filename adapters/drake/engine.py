@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from importlib import metadata
 
 import numpy as np
@@ -22,7 +23,7 @@ from bodycheck.adapters.contract import (
     Usage,
     states,
 )
-from bodycheck.adapters.drake import INSTALLATION, mechanisms, sensing, touching
+from bodycheck.adapters.drake import INSTALLATION, file_motion, mechanisms, sensing, touching
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
 from bodycheck.adapters.drake.models import Model, build, controlled, stepper
 from bodycheck.adapters.drake.robots import read_robot as read_robot
@@ -142,6 +143,7 @@ engine = Engine(
 )
 
 contact_terms, lacking = touching.terms, sensing.lacking
+file_facts, run_file = partial(file_motion.file_facts, APPROXIMATIONS), partial(file_motion.run_file, APPROXIMATIONS)
 
 
 #: The functions of Drake that steps call from Python. The time of drag, which Drake calls in turn, counts as Drake's time.

@@ -115,7 +115,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     """Return how Drake reads a file, as `RobotModels.read_robot` does."""
     with heard() as texts:
         robot = parsed(file, gravity)
-        names = named(robot, floating_joints(file))
+        names = named(robot.joints, floating_joints(file))
         context = robot.plant.CreateDefaultContext()
         places = places_on_root(file)
         computed = tuple(terms(robot, context, names, on_root(state, places)) for state in states)
@@ -144,7 +144,7 @@ def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, 
     """
     with heard():
         robot = parsed(file, (0.0, 0.0, 0.0), timestep)
-        plant, names = robot.plant, named(robot, floating_joints(file))
+        plant, names = robot.plant, named(robot.joints, floating_joints(file))
         single = {name: joint for name, joint in names.items() if joint.num_velocities() == 1}
         try:
             return [moved(plant, single, start, timestep * steps) for start in starts]
@@ -176,18 +176,23 @@ def parsed(file: RobotFile, gravity: Vector, timestep: float = 0.0) -> Parsed:
     timestep: the time step (s) of a discrete plant; 0 for a continuous one.
     """
     plant = MultibodyPlant(timestep)
-    parser = Parser(plant)
-    for name, path in file.packages.items():
-        parser.package_map().Add(name, path)
     try:
-        parser.AddModels(file.path)
-        anchor = WORLD if file.format == "mjcf" else welded(plant, set(floating_joints(file)))
+        anchor = filled(plant, file)
         standard = vector(plant.gravity_field().gravity_vector())
         plant.mutable_gravity_field().set_gravity_vector(gravity)
         plant.Finalize()
     except RuntimeError as error:
         raise ModelRefused(refusal(file.path, str(error))) from error
     return Parsed(plant, anchor, standard)
+
+
+def filled(plant: Any, file: RobotFile) -> str:
+    """Parse a file into a plant, and return the name of the link that is fixed to the world. Raises `RuntimeError`."""
+    parser = Parser(plant)
+    for name, path in file.packages.items():
+        parser.package_map().Add(name, path)
+    parser.AddModels(file.path)
+    return WORLD if file.format == "mjcf" else welded(plant, set(floating_joints(file)))
 
 
 def welded(plant: Any, floating: set[str]) -> str:
@@ -208,9 +213,12 @@ def joints_of(plant: Any) -> list[Any]:
     return [plant.get_joint(index) for index in plant.GetJointIndices()]
 
 
-def named(robot: Parsed, floating: Mapping[str, str]) -> dict[str, Any]:
-    """Return the joints that move, keyed by the names in the file; the key of a joint that Drake added is its body's name."""
-    moving = [joint for joint in robot.joints if joint.num_velocities()]
+def named(joints: Sequence[Any], floating: Mapping[str, str]) -> dict[str, Any]:
+    """Return the joints that move, keyed by the names in the file; the key of a joint that Drake added is its body's name.
+
+    joints: all joints of a plant. floating: the names of floating joints in the file, keyed by the links that they move.
+    """
+    moving = [joint for joint in joints if joint.num_velocities()]
     return {floating.get(joint.child_body().name()) or joint.name(): joint for joint in moving}
 
 

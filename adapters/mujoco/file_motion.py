@@ -4,14 +4,15 @@ The state of each sample is evaluated in a second `MjData`, so that nothing but 
 """
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 
 import mujoco
 import numpy as np
 
 from bodycheck.adapters.contract import EngineDiverged, EngineReset, Method
-from bodycheck.adapters.file_motion import Controls, FileFacts, FileMotion, FileRun, MotionRefused, nudged, strides
+from bodycheck.adapters.file_motion import Controls, FileFacts, FileMotion, FileRun, MotionRefused, Names, nudged, strides
 from bodycheck.adapters.mujoco import options
 from bodycheck.adapters.mujoco.robots import loaded
 from bodycheck.adapters.mujoco.stepping import WARNINGS, quiet, refuse_warnings
@@ -33,10 +34,14 @@ SATURATED = 1e-9
 
 def file_facts(file: RobotFile) -> FileFacts:
     """Return the contents of a file on which a run depends, as `FileMotions.file_facts` does."""
-    model = _model(file.path)
+    return facts_of(compiled(file.path), options.available())
+
+
+def facts_of(model: mujoco.MjModel, methods: Sequence[str]) -> FileFacts:
+    """Return the facts of a compiled model, for an engine with these of MuJoCo's integrators."""
     names = options.available()
     stated = names[model.opt.integrator]
-    others = [name for name in names if name != stated]
+    others = [name for name in methods if name != stated]
     return FileFacts(
         method=Method(stated, float(model.opt.timestep)),
         methods=(stated, *others),
@@ -50,12 +55,24 @@ def file_facts(file: RobotFile) -> FileFacts:
 
 def run_file(file: RobotFile, run: FileRun) -> FileMotion:
     """Return the motion of a scene, as `FileMotions.run_file` does."""
-    model = _model(file.path)
+    with chosen(compiled(file.path), run.method) as model, quiet():
+        data = started(model, run)
+
+        def step(count: int) -> None:
+            at = data.time
+            mujoco.mj_step(model, data, count)
+            refuse_warnings(data, max(at, data.time))
+
+        return recorded(model, data, run, step)
+
+
+@contextmanager
+def chosen(model: mujoco.MjModel, method: Method) -> Iterator[mujoco.MjModel]:
+    """Provide a model with the options of a method, which it loses at the end. Raises `MotionRefused`."""
     before = (model.opt.integrator, model.opt.timestep, *(getattr(model.opt, name) for name in SETTINGS.values()))
     try:
-        _set(model, run.method)
-        with quiet():
-            return _run(model, run)
+        _set(model, method)
+        yield model
     finally:
         model.opt.integrator, model.opt.timestep = before[:2]
         for name, value in zip(SETTINGS.values(), before[2:], strict=True):
@@ -63,7 +80,7 @@ def run_file(file: RobotFile, run: FileRun) -> FileMotion:
 
 
 @lru_cache(maxsize=1)
-def _model(path: str) -> mujoco.MjModel:
+def compiled(path: str) -> mujoco.MjModel:
     """Return the compiled model of a file. Raises `ModelRefused`."""
     return loaded(path)
 
@@ -97,7 +114,7 @@ def _conserves(model: mujoco.MjModel) -> bool:
     return constant and not touches and not fluid and not any(np.any(values) for values in loses)
 
 
-def _start(model: mujoco.MjModel, run: FileRun) -> mujoco.MjData:
+def started(model: mujoco.MjModel, run: FileRun) -> mujoco.MjData:
     """Return the data of the start of a run. Raises `MotionRefused` for a keyframe that there is not."""
     data = mujoco.MjData(model)
     names = [model.key(index).name or f"keyframe{index}" for index in range(model.nkey)]
@@ -119,23 +136,27 @@ def _columns(model: mujoco.MjModel, controls: Controls) -> list[int]:
     return [names.index(name) for name in controls.names]
 
 
-def _run(model: mujoco.MjModel, run: FileRun) -> FileMotion:
-    data, seen, step = _start(model, run), mujoco.MjData(model), run.method.timestep
+def recorded(model: mujoco.MjModel, data: mujoco.MjData, run: FileRun, step: Callable[[int], None]) -> FileMotion:
+    """Return the motion of a scene from the state of its data.
+
+    step: a function that makes a number of steps with the controls of the data, and puts the state after them into the data. It
+    raises `EngineDiverged` and `EngineReset`.
+    """
+    seen, timestep = mujoco.MjData(model), run.method.timestep
     columns = [] if run.controls is None else _columns(model, run.controls)
-    changes = [] if run.controls is None else [(round(at / step + 0.5 - ROUNDED), row) for at, row in _rows(run.controls)]
+    changes = [] if run.controls is None else [(round(at / timestep + 0.5 - ROUNDED), row) for at, row in _rows(run.controls)]
     recorder, done, wall_time, ended, reset = _Recorder(model, seen), 0, 0.0, "", False
-    for stride in strides(run.times, step):
+    for stride in strides(run.times, timestep):
         goal = done + stride
         try:
             while done < goal or (changes and changes[0][0] <= done):
                 while changes and changes[0][0] <= done:
                     data.ctrl[columns] = changes.pop(0)[1]
                 count = min(goal, changes[0][0] if changes else goal, done + STEPS_PER_CALL) - done
-                start, at = time.perf_counter(), data.time
+                start = time.perf_counter()
                 if count:
-                    mujoco.mj_step(model, data, count)
+                    step(count)
                 wall_time += time.perf_counter() - start
-                refuse_warnings(data, max(at, data.time))
                 done += count
         except EngineReset as error:
             ended, reset = str(error), True
@@ -206,6 +227,12 @@ class _Recorder:
             ended=ended,
             reset=reset,
             warnings=warned | {"iterations": self.iterations},
+            names=Names(
+                tuple(_body(model, body) for body in self.bodies.tolist()),
+                _joints(model, kinds[int(mujoco.mjtJoint.mjJNT_HINGE)]),
+                _joints(model, [*kinds[int(mujoco.mjtJoint.mjJNT_FREE)], *kinds[int(mujoco.mjtJoint.mjJNT_BALL)]]),
+                _joints(model, [*kinds[int(mujoco.mjtJoint.mjJNT_FREE)], *kinds[int(mujoco.mjtJoint.mjJNT_SLIDE)]]),
+            ),
         )
 
 
@@ -231,6 +258,15 @@ def _acting(model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[str]:
     for index in np.flatnonzero(model.actuator_forcelimited):
         if min(abs(forces[index] - ranges[index])) <= SATURATED * float(np.ptp(ranges[index])):
             yield f"saturation of actuator {model.actuator(int(index)).name or index}"
+
+
+def _joints(model: mujoco.MjModel, joints: Iterable[int]) -> tuple[str, ...]:
+    """Return the names of joints. A free joint, which other engines do not name, has the name of its body."""
+    free = int(mujoco.mjtJoint.mjJNT_FREE)
+    return tuple(
+        _body(model, int(model.jnt_bodyid[joint])) if model.jnt_type[joint] == free else str(model.joint(int(joint)).name)
+        for joint in joints
+    )
 
 
 def _body(model: mujoco.MjModel, body: int) -> str:

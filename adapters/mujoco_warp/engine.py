@@ -34,7 +34,7 @@ from bodycheck.adapters.mujoco.sensing import (
     description_of_touching,
     reading_pushed,
 )
-from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, robots, sensing, touching
+from bodycheck.adapters.mujoco_warp import INSTALLATION, file_motion, graphs, robots, sensing, touching
 from bodycheck.adapters.mujoco_warp.drag import resist
 from bodycheck.adapters.stepping import InTurn, Loop, Taking
 from bodycheck.adapters.touching import Pushed, lying_shape, touching_bodies
@@ -101,6 +101,8 @@ engine = Engine(
 calls = graphs.CALLS
 
 read_robot, step_robot, contact_law = robots.read_robot, robots.step_robot, mujoco.contact_law
+
+file_facts, run_file = file_motion.file_facts, file_motion.run_file
 
 lacking, contact_terms, interface_loads = mujoco.lacking, mujoco.contact_terms, touching.interface_loads
 

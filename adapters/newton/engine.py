@@ -13,6 +13,8 @@ from bodycheck.adapters.links import Link, links_of, state_in, tensor, velocity_
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.mujoco_warp.drag import resist
 from bodycheck.adapters.newton import INSTALLATION, mechanisms, touching
+from bodycheck.adapters.newton.file_motion import file_facts as file_facts
+from bodycheck.adapters.newton.file_motion import run_file as run_file
 from bodycheck.adapters.newton.mechanisms import twist
 from bodycheck.adapters.newton.robots import read_robot as read_robot
 from bodycheck.adapters.newton.robots import step_robot as step_robot

@@ -41,6 +41,8 @@ with no_stderr():
     import pybullet
 
     from bodycheck.adapters.pybullet import mechanisms, sensing, touching
+    from bodycheck.adapters.pybullet.file_motion import file_facts as file_facts
+    from bodycheck.adapters.pybullet.file_motion import run_file as run_file
     from bodycheck.adapters.pybullet.links import BASE, load, weld
     from bodycheck.adapters.pybullet.mechanisms import switched_off
     from bodycheck.adapters.pybullet.robots import read_robot as read_robot

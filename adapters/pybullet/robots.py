@@ -147,15 +147,26 @@ def step_robot(file: RobotFile, starts: Sequence[JointStates], timestep: float, 
     with server() as client, overheard():
         robot, _ = loaded(client, file)
         pybullet.setTimeStep(timestep, physicsClientId=client)
-        for index in (BASE, *(joint.index for joint in robot.joints)):
-            pybullet.changeDynamics(robot.body, index, linearDamping=0, angularDamping=0, physicsClientId=client)
-        for joint in robot.moving:
-            motor = {"controlMode": pybullet.VELOCITY_CONTROL, "force": 0}
-            pybullet.setJointMotorControl2(robot.body, joint.index, **motor, physicsClientId=client)
+        release(robot)
         try:
             return [moved(robot, start, steps) for start in starts]
         except pybullet.error as error:  # PyBullet stores the states of at most 128 joints, including fixed joints
             raise ModelRefused(refusal(file.path, str(error))) from error
+
+
+def release(robot: Loaded) -> None:
+    """Switch off the damping of links and the motors that brake joints, which PyBullet adds to every robot."""
+    for index in (BASE, *(joint.index for joint in robot.joints)):
+        pybullet.changeDynamics(robot.body, index, linearDamping=0, angularDamping=0, physicsClientId=robot.client)
+    for joint in robot.moving:
+        if joint.type == "spherical":
+            still = {"targetPosition": [0, 0, 0, 1], "positionGain": 0, "velocityGain": 0, "force": [0, 0, 0]}
+            pybullet.setJointMotorControlMultiDof(
+                robot.body, joint.index, pybullet.POSITION_CONTROL, **still, physicsClientId=robot.client
+            )
+        else:
+            motor = {"controlMode": pybullet.VELOCITY_CONTROL, "force": 0}
+            pybullet.setJointMotorControl2(robot.body, joint.index, **motor, physicsClientId=robot.client)
 
 
 def moved(robot: Loaded, start: JointStates, steps: int) -> JointStates:
@@ -194,6 +205,15 @@ def loaded(client: int, file: RobotFile) -> tuple[Loaded, list[str]]:
 
     Raises `ModelRefused`, and `FormatUnknown` for an MJCF that is not a single tree on the world.
     """
+    bodies, said = loaded_bodies(client, file)
+    body = bodies[0]
+    if len(bodies) > 1 or (file.format == "mjcf" and pybullet.getDynamicsInfo(body, BASE, physicsClientId=client)[0]):
+        raise FormatUnknown(f"the adapter of PyBullet takes an MJCF of one tree on the world; this has {len(bodies)} bodies")
+    return robot_of(client, body), said
+
+
+def loaded_bodies(client: int, file: RobotFile) -> tuple[Sequence[int], list[str]]:
+    """Load a file, and return its bodies and PyBullet's messages about it. Raises `ModelRefused`."""
     flags = pybullet.URDF_USE_INERTIA_FROM_FILE
     try:
         with overheard() as said:
@@ -205,9 +225,11 @@ def loaded(client: int, file: RobotFile) -> tuple[Loaded, list[str]]:
         raise ModelRefused(refusal(file.path, " ".join([str(error), *warnings_in(said)]))) from error
     if not bodies:
         raise ModelRefused(refusal(file.path, " ".join(["loadMJCF returns no body", *warnings_in(said)])))
-    body = bodies[0]
-    if len(bodies) > 1 or (file.format == "mjcf" and pybullet.getDynamicsInfo(body, BASE, physicsClientId=client)[0]):
-        raise FormatUnknown(f"the adapter of PyBullet takes an MJCF of one tree on the world; this has {len(bodies)} bodies")
+    return bodies, warnings_in(said)
+
+
+def robot_of(client: int, body: int) -> Loaded:
+    """Return a body of a physics server with its joints."""
     base, _ = pybullet.getBodyInfo(body, physicsClientId=client)
     joints, first = [], 0
     for index in range(pybullet.getNumJoints(body, physicsClientId=client)):
@@ -215,7 +237,7 @@ def loaded(client: int, file: RobotFile) -> tuple[Loaded, list[str]]:
         type_, count = TYPES.get(info[2], (f"type {info[2]}", 0))
         joints.append(Joint(index, text(info[1]), type_, first, count, text(info[12]), info[16], info))
         first += count
-    return Loaded(client, body, text(base), tuple(joints)), warnings_in(said)
+    return Loaded(client, body, text(base), tuple(joints))
 
 
 def warnings_in(said: Sequence[str]) -> list[str]:

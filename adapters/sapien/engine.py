@@ -6,6 +6,7 @@ The docstring of the package describes the integrators, the settings that are sw
 import math
 import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib.metadata import version
 from typing import Any
 
@@ -42,7 +43,7 @@ with warnings.catch_warnings():
     import sapien
     from sapien import physx
 
-    from bodycheck.adapters.sapien import mechanisms, sensing, touching
+    from bodycheck.adapters.sapien import file_motion, mechanisms, sensing, touching
     from bodycheck.adapters.sapien.links import first_link, load, place, switch_off
     from bodycheck.adapters.sapien.robots import read_robot as read_robot
     from bodycheck.adapters.sapien.robots import step_robot as step_robot
@@ -83,6 +84,7 @@ engine = Engine(
 )
 
 lacking, interface_loads, contact_terms = sensing.lacking, touching.interface_loads, touching.contact_terms
+file_facts, run_file = partial(file_motion.file_facts, SOLVERS), partial(file_motion.run_file, SOLVERS)
 
 #: The functions of SAPIEN that steps call from Python.
 calls = ((physx.PhysxCpuSystem, "step"), (physx.PhysxRigidDynamicComponent, "add_force_torque"))

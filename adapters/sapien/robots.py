@@ -136,16 +136,19 @@ def pinocchio_model(robot: Loaded, gravity: Vector) -> tuple[Any, list[str]]:
 
 
 @contextmanager
-def pulled(gravity: Vector) -> Iterator[None]:
-    """Set the gravity (m/s^2) of new PhysX scenes while this context lasts. The setting is global in the process."""
+def pulled(gravity: Vector, tgs: bool = True) -> Iterator[None]:
+    """Set the gravity (m/s^2) and the solver of new PhysX scenes while this context lasts. The settings are of the process.
+
+    tgs: whether the solver is TGS, PhysX's and SAPIEN's own, and not PGS.
+    """
     kept = physx.get_scene_config()
-    before = np.array(kept.gravity)
-    kept.gravity = gravity
+    before = np.array(kept.gravity), kept.enable_tgs
+    kept.gravity, kept.enable_tgs = gravity, tgs
     physx.set_scene_config(kept)
     try:
         yield
     finally:
-        kept.gravity = before
+        kept.gravity, kept.enable_tgs = before
         physx.set_scene_config(kept)
 
 

@@ -4,10 +4,11 @@ Of a case, they are computed by the formulas of the figures, with the finer run 
 the same definitions: the largest over all bodies or joints at each instant.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from bodycheck.adapters.file_motion import Names
 from bodycheck.figures.columns import FIGURES
 from bodycheck.figures.definition import Comparison
 from bodycheck.reference.bounds import NAMES, Bounds
@@ -19,6 +20,9 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import distance
 from bodycheck.running.refining import Motion
 from bodycheck.studies.estimate.quantities import NAMED
+
+#: The parts of a motion of a file that have names.
+PARTS = tuple(field.name for field in fields(Names))
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +51,30 @@ def differences(scene: AnyScene | None, coarse: Motion, fine: Motion) -> dict[st
     if coarse.trajectory is not None and fine.trajectory is not None and scene is not None:
         return _of_case(scene, coarse.trajectory, fine.trajectory)
     return _of_file(coarse, fine)
+
+
+def in_common(one: Motion, other: Motion) -> tuple[Motion, Motion]:
+    """Return two motions of a file in two engines with what both have, by the names of bodies and joints.
+
+    An engine may join links that have no joint between them, which moves the centre of mass. Positions are therefore left out
+    unless both engines have the same bodies.
+    """
+    same_bodies = sorted(one.names.bodies) == sorted(other.names.bodies)
+    shared = {part: set(getattr(one.names, part)) & set(getattr(other.names, part)) - {""} for part in PARTS}
+
+    def picked(motion: Motion) -> Motion:
+        rows = {part: [getattr(motion.names, part).index(name) for name in sorted(shared[part])] for part in PARTS}
+        return replace(
+            motion,
+            position=motion.position[rows["bodies"] if same_bodies else []],
+            quaternion=motion.quaternion[rows["bodies"]],
+            angles=motion.angles[rows["angles"]],
+            turns=motion.turns[rows["turns"]],
+            slides=motion.slides[rows["slides"]],
+            energy=None,
+        )
+
+    return picked(one), picked(other)
 
 
 def _of_case(scene: AnyScene, coarse: Trajectory, fine: Trajectory) -> dict[str, Array]:

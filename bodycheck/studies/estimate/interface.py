@@ -121,6 +121,8 @@ def _about_file(path: Path, wanted: Wanted, folder: Path, quantities: tuple[str,
         controls=controls,
         samples=SAMPLES,
         identity=digest + ("" if controls is None else repr(controls.values.tolist())),
+        path=path,
+        packages=wanted.packages,
     )
 
 

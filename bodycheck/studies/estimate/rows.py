@@ -156,7 +156,9 @@ class Estimates:
     apart
         For each engine the distance of its finest run from the truth of a case, and the bound of the truth's error.
     spread
-        For pairs of engines the differences between their finest runs, by quantities.
+        For pairs of engines the differences between their limits, each with its uncertainty, by quantities.
+    causes
+        For each of several engines what its reader makes of the file other than the file says, in words.
     """
 
     file: str
@@ -167,11 +169,17 @@ class Estimates:
     kinds: dict[str, str]
     rows: tuple[EstimateRow, ...]
     apart: dict[str, dict[str, tuple[float, float]]]
-    spread: dict[tuple[str, str], dict[str, float]]
+    spread: dict[tuple[str, str], dict[str, tuple[float, float]]]
+    causes: dict[str, str]
 
 
-def joined(about: About, engines: Sequence[OfEngine], spread: Sequence[tuple[str, str, dict[str, float]]]) -> Estimates:
-    """Return the results of all engines as one, with the differences between pairs of them."""
+def joined(
+    about: About,
+    engines: Sequence[OfEngine],
+    spread: Sequence[tuple[str, str, dict[str, tuple[float, float]]]],
+    causes: dict[str, str],
+) -> Estimates:
+    """Return the results of all engines as one, with the differences between pairs of them, and what parity says of each."""
     return Estimates(
         *(about.file, about.duration, about.error, about.compared),
         present={one.engine: (one.integrator, one.timestep) for one in engines},
@@ -179,6 +187,7 @@ def joined(about: About, engines: Sequence[OfEngine], spread: Sequence[tuple[str
         rows=tuple(row for one in engines for row in one.rows),
         apart={one.engine: one.apart for one in engines if one.apart},
         spread={(one, other): differences for one, other, differences in spread},
+        causes=causes,
     )
 
 

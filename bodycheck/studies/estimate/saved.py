@@ -19,7 +19,9 @@ def read(folder: Path) -> StudyReport:
     about = records.typed(About, contents.header["about"])
     engines = [records.typed(OfEngine, record["engine"]) for record in contents.records if record["record"] == "engine"]
     spread: object = next((record["spread"] for record in contents.records if record["record"] == "spread"), [])
-    results = joined(about, engines, records.typed(list[tuple[str, str, dict[str, float]]], spread))
+    causes: object = next((record["causes"] for record in contents.records if record["record"] == "causes"), {})
+    apart = records.typed(list[tuple[str, str, dict[str, tuple[float, float]]]], spread)
+    results = joined(about, engines, apart, records.typed(dict[str, str], causes))
     if sorted(map(repr, reading.rows(folder, ROWS))) != sorted(map(repr, results.rows)):
         raise BadFolder(f"{folder}: damaged: {ROWS.file} does not list the same runs as {RECORDS}")
     return page.present(header, results)

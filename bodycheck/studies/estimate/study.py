@@ -19,6 +19,7 @@ from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES
 from bodycheck.figures.definition import Comparison
+from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.trajectory import Array
@@ -33,9 +34,9 @@ from bodycheck.running.instants import default_timestep
 from bodycheck.running.refining import AskFile, Call, Ended, Motion, RunCase, RunFile
 from bodycheck.running.tasks import Question, answer
 from bodycheck.studies.estimate import factors, rating
-from bodycheck.studies.estimate.distances import differences
+from bodycheck.studies.estimate.distances import differences, in_common
 from bodycheck.studies.estimate.method import NoTime, Refined, Subject, refined, searched
-from bodycheck.studies.estimate.quantities import AT_END, NAMED, PLACES, SHORT, USUAL
+from bodycheck.studies.estimate.quantities import AT_END, NAMED, OF_ONE_RUN, PLACES, SHORT, USUAL
 from bodycheck.studies.estimate.rating import Head
 from bodycheck.studies.estimate.rows import (
     NO_TIME,
@@ -47,11 +48,16 @@ from bodycheck.studies.estimate.rows import (
     OfEngine,
     joined,
 )
+from bodycheck.studies.parity import study as parity
+from bodycheck.studies.parity.wording import brief, engines_of
 from bodycheck.studies.timesteps import control_period
 from bodycheck.suggestion import did_you_mean
 
 #: The time (s) for all runs of a file in one engine.
 TIME_BUDGET_S = 30.0
+
+#: The number of states at which the models of engines are compared with the file.
+COMPARED_STATES = 20
 
 #: The duration (s) of the runs of a file, and the number of instants at which errors are compared.
 DURATION_S, SAMPLES = 1.0, 101
@@ -87,6 +93,8 @@ class Asked:
         Whether the truth of a case is not used.
     identity
         A digest of the contents of the files.
+    path, packages
+        The path of the file itself, and the folders in which its packages may be found; None for a case.
     """
 
     name: str
@@ -102,6 +110,8 @@ class Asked:
     samples: int = SAMPLES
     blind: bool = True
     identity: str = ""
+    path: Path | None = None
+    packages: tuple[Path, ...] = ()
 
     @property
     def instants(self) -> Array:
@@ -183,41 +193,83 @@ def results(
     work = (about, asked.quantities, asked.integrators, asked.identity, asked.keyframe)
     with resumption.opened(folder / RECORDS, head, *work, lost=lambda record: False, about=asdict(about)) as log:
         done = [typed(OfEngine, record["engine"]) for record in log.records if record["record"] == "engine"]
-        finest: dict[str, Motion] = {}
+        limits: dict[str, _Limit] = {}
         for name, record in records.items():
             if name not in {one.engine for one in done}:
-                of_engine, motion = _of_engine(asked, name, record)
+                of_engine, limit = _of_engine(asked, name, record)
                 log.add({"record": "engine", "engine": asdict(of_engine)})
                 done.append(of_engine)
-                finest |= {} if motion is None else {name: motion}
+                limits |= {} if limit is None else {name: limit}
             progress(name)
         apart = [typed(_Spread, record["spread"]) for record in log.records if record["record"] == "spread"]
-        spread = apart[0] if apart else _spread(asked, finest)
+        spread = apart[0] if apart else _spread(asked, limits)
         if not apart:
             log.add({"record": "spread", "spread": spread})
-        yield joined(about, done, spread)
+        told = [typed(dict[str, str], record["causes"]) for record in log.records if record["record"] == "causes"]
+        causes = told[0] if told else _causes(asked, {name: records[name] for name in limits})
+        if not told:
+            log.add({"record": "causes", "causes": causes})
+        yield joined(about, done, spread, causes)
 
 
-#: The differences between the finest runs of pairs of engines.
-_Spread = list[tuple[str, str, dict[str, float]]]
+#: The differences between the limits of pairs of engines, each with its uncertainty, by quantities.
+_Spread = list[tuple[str, str, dict[str, tuple[float, float]]]]
 
 
-def _spread(asked: Asked, finest: Mapping[str, Motion]) -> _Spread:
-    """Return the differences between the finest runs of engines, at the instants that they have in common."""
+@dataclass(frozen=True, eq=False)
+class _Limit:
+    """The run of an engine that is closest to its limit, and the upper ends of the errors of this run, by quantities."""
+
+    motion: Motion
+    errors: Mapping[str, float]
+
+
+def _limit(asked: Asked, known: Sequence[Refined]) -> _Limit | None:
+    """Return the finest run of the method whose finest run has the smallest error; None if no finest run has an estimate."""
+    limits = []
+    for refined_method in known:
+        errors = {}
+        for quantity in refined_method.levels.quantities:
+            reference = refined_method.assessed(quantity, asked.duration)
+            if not isinstance(reference, str) and quantity not in OF_ONE_RUN:
+                interval = refined_method.intervals(quantity, asked.duration, reference)[-1]
+                errors |= {} if interval is None else {quantity: interval.high}
+        if errors:
+            limits.append(_Limit(refined_method.levels.levels[-1].motion, errors))
+    return min(limits, key=lambda limit: max(limit.errors.values()), default=None)
+
+
+def _spread(asked: Asked, limits: Mapping[str, _Limit]) -> _Spread:
+    """Return the differences between the limits of engines, at the instants that their finest runs have in common."""
     scene = None if asked.case is None else asked.case.scene
     spread = []
-    for one, other in combinations(finest, 2):
-        places = np.searchsorted(finest[one].t, finest[other].t + 1e-9 * asked.duration, side="right") - 1
-        same = np.abs(finest[one].t[places] - finest[other].t) <= 1e-9 * asked.duration
-        here, there = finest[one].part(places[same]), finest[other].part(np.flatnonzero(same))
-        if here.position.shape == there.position.shape and here.angles.shape == there.angles.shape and same.any():
-            apart = differences(scene, here, there)
-            spread.append((one, other, {name: float(apart[name].max()) for name in asked.compared if name in apart}))
+    for (one, here), (other, there) in combinations(limits.items(), 2):
+        places = np.searchsorted(here.motion.t, there.motion.t + 1e-9 * asked.duration, side="right") - 1
+        same = np.abs(here.motion.t[places] - there.motion.t) <= 1e-9 * asked.duration
+        parts = here.motion.part(places[same]), there.motion.part(np.flatnonzero(same))
+        apart = differences(scene, *(parts if scene is not None else in_common(*parts))) if same.any() else {}
+        both = [name for name in asked.compared if name in apart and name in here.errors and name in there.errors]
+        spread.append((one, other, {name: (float(apart[name].max()), here.errors[name] + there.errors[name]) for name in both}))
     return spread
 
 
-def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Motion | None]:
-    """Return the results of one engine, and the finest run with the method of the file."""
+def _causes(asked: Asked, records: Mapping[str, Engine]) -> dict[str, str]:
+    """Return for each of several engines what its reader makes of a file other than the file says, as `bodycheck parity` does.
+
+    Empty for a case, for a single engine, and for a file that only engines read.
+    """
+    if asked.path is None or len(records) < 2:
+        return {}
+    with temporary_folder() as folder, parity.asking(records, 1) as how:
+        try:
+            found = parity.one(records, asked.path, parity.Asking(COMPARED_STATES, packages=asked.packages), folder, how)
+        except BadInput:
+            return {}
+    return {engine: brief(rows) for engine, rows in engines_of(found).items()}
+
+
+def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, _Limit | None]:
+    """Return the results of one engine, and its limit."""
     with pool.Workers(
         refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=True
     ) as workers:
@@ -227,7 +279,7 @@ def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Motio
             row = _nothing(asked, name, record, Method("", 0.0), *_verdict_of(facts))
             return OfEngine(name, "", 0.0, "", (row,), {}), None
         rows: list[EstimateRow] = []
-        first: Refined | None = None
+        every: list[Refined] = []
         end = clock.end
         for index, spelling in enumerate(facts.methods):
             now = time.monotonic()
@@ -235,11 +287,11 @@ def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Motio
             method = Method.parse(spelling, 0.0).at(facts.method.timestep)
             of_method, known = _of_method(asked, name, record, clock, facts, method)
             rows += of_method
-            first = first or known
-    finest = first.levels.levels[-1].motion if first is not None and first.levels.levels else None
+            every += [] if known is None else [known]
+    finest = every[0].levels.levels[-1].motion if every and every[0].levels.levels else None
     kind = "" if finest is None else _kind(asked, facts, finest)
     apart = _from_truth(asked, finest)
-    return OfEngine(name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart), finest
+    return OfEngine(name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart), _limit(asked, every)
 
 
 def _of_method(

@@ -1,6 +1,6 @@
 """The results of the study in sentences: the cost of the file's own step, the cheapest step, where it breaks, and coverage."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.reports.quantities import QUANTITIES, listing, milliseconds, number
@@ -51,6 +51,9 @@ def sentences(results: Estimates) -> Iterator[str]:
         yield coverage(results.kinds[engine])
         yield from apart(results, engine)
     yield from spread(results)
+    if results.causes:
+        told = "; ".join(f"{engine} {cause}" for engine, cause in results.causes.items())
+        yield f"Compared with the numbers of the file by `bodycheck parity`: {told}."
 
 
 def own_step(results: Estimates, rows: Sequence[EstimateRow], integrator: str, timestep: float) -> str:
@@ -138,10 +141,27 @@ def apart(results: Estimates, engine: str) -> Iterator[str]:
 
 
 def spread(results: Estimates) -> Iterator[str]:
-    """Yield a sentence on the differences between the limits of engines, which are differences of models."""
+    """Yield sentences on the limits of pairs of engines: whether they differ by more than the errors of the finest runs."""
     for (one, other), differences in results.spread.items():
-        texts = [
-            f"{number(value, 3)} {QUANTITIES[name].unit} of {QUANTITIES[name].title.lower()}".replace("  ", " ")
-            for name, value in differences.items()
-        ]
-        yield f"The limits of {one} and {other} differ by {listing(texts)}: a difference of models, not of time steps."
+        apart = {name: value for name, value in differences.items() if value[0] > value[1]}
+        if apart:
+            yield (
+                f"The limits of {one} and {other} differ by {listing(_sizes(apart))}: a difference of models, not of time "
+                "steps."
+            )
+        elif differences:
+            yield (
+                f"The limits of {one} and {other} are the same within the errors of their finest runs: they differ by at most "
+                f"{listing(_sizes(differences))}."
+            )
+        else:
+            yield f"The limits of {one} and {other} are not compared: there is no quantity in which both have an estimate."
+
+
+def _sizes(differences: Mapping[str, tuple[float, float]]) -> list[str]:
+    """Return differences and their uncertainties with their units and quantities."""
+    texts = []
+    for name, (value, uncertain) in differences.items():
+        unit = f" {QUANTITIES[name].unit}" if QUANTITIES[name].unit else ""
+        texts.append(f"{number(value, 3)} ± {number(uncertain, 1)}{unit} of {QUANTITIES[name].title.lower()}")
+    return texts
