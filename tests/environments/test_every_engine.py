@@ -50,7 +50,7 @@ def rows(*arguments: object) -> list[Row]:
 def test_an_engine_keeps_the_contract_in_its_own_environment(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     environment = environments.obtain(name, environments.newest(name))
     monkeypatch.chdir(ROOT)
-    contracts = [f"tests/adapters/test_{kind}contract.py" for kind in ("", "mechanism_", "robot_")]
+    contracts = [f"tests/adapters/test_{kind}contract.py" for kind in ("", "mechanism_", "robot_", "file_")]
     tests = [*contracts, *(str(path) for path in sorted(ROOT.glob(f"tests/adapters/{name}")))]
     done = environments.run(environment, "pytest", ["-q", *tests, "--adapter", name], None, LIMIT_S)
     print(done.stdout[-20_000:], done.stderr[-20_000:])
