@@ -4,6 +4,8 @@ Memory is reserved for the contacts and the rows of constraints of MuJoCo Warp's
 the poses of bodies, follow from the coordinates by MuJoCo in double precision.
 """
 
+from typing import Any
+
 import mujoco
 import mujoco_warp as mjw
 import numpy as np
@@ -23,8 +25,24 @@ def methods() -> list[str]:
 
 
 def file_facts(file: RobotFile) -> FileFacts:
-    """Return the contents of a file on which a run depends, as `FileMotions.file_facts` does."""
-    return of_mujoco.facts_of(of_mujoco.compiled(file.path), methods())
+    """Return the contents of a file on which a run depends, as `FileMotions.file_facts` does.
+
+    The kernels that runs need are compiled here, which takes a minute when they are not in Warp's cache.
+    """
+    compiled = of_mujoco.compiled(file.path)
+    facts = of_mujoco.facts_of(compiled, methods())
+    with quiet():
+        _stepper(compiled, mujoco.MjData(compiled))
+    return facts
+
+
+def _stepper(compiled: mujoco.MjModel, data: mujoco.MjData) -> tuple[Any, Any]:
+    """Return the world of a compiled model at the state of its data, and the graph of a step of it. Raises `ModelRefused`."""
+    try:
+        model, worlds = mjw.put_model(compiled), mjw.put_data(compiled, data)
+    except NotImplementedError as error:
+        raise ModelRefused(f"MuJoCo Warp refuses the model: {error}") from error
+    return worlds, graphs.record(lambda: mjw.step(model, worlds))
 
 
 def run_file(file: RobotFile, run: FileRun) -> FileMotion:
@@ -34,14 +52,10 @@ def run_file(file: RobotFile, run: FileRun) -> FileMotion:
     with of_mujoco.chosen(of_mujoco.compiled(file.path), run.method) as compiled, quiet():
         data = of_mujoco.started(compiled, run)
         mujoco.mj_forward(compiled, data)
-        try:
-            model, worlds = mjw.put_model(compiled), mjw.put_data(compiled, data)
-        except NotImplementedError as error:
-            raise ModelRefused(f"MuJoCo Warp refuses the model: {error}") from error
+        worlds, graph = _stepper(compiled, data)
         if run.nudged:  # a change of one rounding in double precision vanishes in single precision
             worlds.qpos.assign(nudged(np.float32(worlds.qpos.numpy())))
             worlds.qvel.assign(nudged(np.float32(worlds.qvel.numpy())))
-        graph = graphs.record(lambda: mjw.step(model, worlds))
 
         def step(count: int) -> None:
             worlds.ctrl.assign(data.ctrl[None].astype(np.float32))

@@ -53,8 +53,8 @@ from bodycheck.studies.parity.wording import brief, engines_of
 from bodycheck.studies.timesteps import control_period
 from bodycheck.suggestion import did_you_mean
 
-#: The time (s) for all runs of a file in one engine.
-TIME_BUDGET_S = 30.0
+#: The time (s) for all runs of a file in one engine, and that for its start before them: some engines compile code then.
+TIME_BUDGET_S, START_S = 30.0, 120.0
 
 #: The number of states at which the models of engines are compared with the file.
 COMPARED_STATES = 20
@@ -273,14 +273,14 @@ def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, _Limi
     with pool.Workers(
         refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=True
     ) as workers:
-        clock = _Clock(workers, time.monotonic() + TIME_BUDGET_S)
+        clock = _Clock(workers, time.monotonic() + START_S)
         facts = _facts(asked, name, record, clock)
         if isinstance(facts, Ended):
             row = _nothing(asked, name, record, Method("", 0.0), *_verdict_of(facts))
             return OfEngine(name, "", 0.0, "", (row,), {}), None
         rows: list[EstimateRow] = []
         every: list[Refined] = []
-        end = clock.end
+        end = time.monotonic() + TIME_BUDGET_S
         for index, spelling in enumerate(facts.methods):
             now = time.monotonic()
             clock.end = now + (end - now) / (len(facts.methods) - index)
