@@ -13,7 +13,11 @@ import numpy as np
 
 from bodycheck.adapters.contract import EngineDiverged, EngineReset, Method
 from bodycheck.adapters.robot_reading import RobotFile
+from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
+
+#: Lines in the frame of a body, each from one point (m) to another.
+Sticks = tuple[tuple[Vector, Vector], ...]
 
 
 class MotionRefused(Exception):
@@ -160,6 +164,9 @@ class FileMotion:
         The displacements of joints (s, n, 3), m.
     names
         The names of the bodies and joints, by which motions in several engines are compared.
+    sticks
+        For each body the lines by which pictures show it: pairs of points (m) along its axes, from its centre of mass; none if
+        the adapter reports none.
     energy
         The potential and the kinetic energy (2, n), J; None if the scene does not keep its energy.
     regimes
@@ -190,6 +197,7 @@ class FileMotion:
     reset: bool = False
     warnings: Mapping[str, int] = field(default_factory=dict)
     names: Names = field(default_factory=Names)
+    sticks: tuple[Sticks, ...] = ()
 
 
 @runtime_checkable

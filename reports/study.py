@@ -55,6 +55,14 @@ class Animation:
     notes: tuple[str, ...] = ()
 
 
+def animation_of(stored: Any) -> Animation:
+    """Return an animation that was stored as a record. Raises `TypeError` and `KeyError` for anything else."""
+    data = stored["data"]
+    if not (data is None or isinstance(data, dict)):
+        raise TypeError(f"the data of an animation is {data!r:.60}; allowed: an object or null")
+    return Animation(str(stored["title"]), data, str(stored["alt"]), tuple(map(str, stored["notes"])))
+
+
 @dataclass(frozen=True)
 class Part:
     """A part of the report with its own heading.

@@ -7,15 +7,27 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
+from itertools import combinations, product
 
 import mujoco
 import numpy as np
 
 from bodycheck.adapters.contract import EngineDiverged, EngineReset, Method
-from bodycheck.adapters.file_motion import Controls, FileFacts, FileMotion, FileRun, MotionRefused, Names, nudged, strides
+from bodycheck.adapters.file_motion import (
+    Controls,
+    FileFacts,
+    FileMotion,
+    FileRun,
+    MotionRefused,
+    Names,
+    Sticks,
+    nudged,
+    strides,
+)
 from bodycheck.adapters.mujoco import options
 from bodycheck.adapters.mujoco.robots import loaded
 from bodycheck.adapters.mujoco.stepping import WARNINGS, quiet, refuse_warnings
+from bodycheck.adapters.robot_numbers import vector
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.reference.trajectory import Array
 
@@ -233,6 +245,7 @@ class _Recorder:
                 _joints(model, [*kinds[int(mujoco.mjtJoint.mjJNT_FREE)], *kinds[int(mujoco.mjtJoint.mjJNT_BALL)]]),
                 _joints(model, [*kinds[int(mujoco.mjtJoint.mjJNT_FREE)], *kinds[int(mujoco.mjtJoint.mjJNT_SLIDE)]]),
             ),
+            sticks=tuple(_sticks(model, body) for body in self.bodies.tolist()),
         )
 
 
@@ -267,6 +280,37 @@ def _joints(model: mujoco.MjModel, joints: Iterable[int]) -> tuple[str, ...]:
         _body(model, int(model.jnt_bodyid[joint])) if model.jnt_type[joint] == free else str(model.joint(int(joint)).name)
         for joint in joints
     )
+
+
+def _sticks(model: mujoco.MjModel, body: int) -> Sticks:
+    """Return the lines by which pictures show a body.
+
+    They are the axes of its capsules and cylinders, the edges of its boxes, and lines from its joint to the bodies that it
+    carries, or to its centre of mass.
+    """
+    lines = [line for geom in np.flatnonzero(model.geom_bodyid == body).tolist() for line in _of_geom(model, geom)]
+    start = model.jnt_pos[model.body_jntadr[body]] if model.body_jntnum[body] else np.zeros(3)
+    ends = [model.body_pos[child] for child in np.flatnonzero(model.body_parentid == body)]
+    lines += [(start, end) for end in ends or ([] if lines else [model.body_ipos[body]])]
+    centre = model.body_ipos[body]
+    return tuple((vector(one - centre), vector(other - centre)) for one, other in lines)
+
+
+def _of_geom(model: mujoco.MjModel, geom: int) -> list[tuple[Array, Array]]:
+    """Return the lines (m) that show a geom, in the frame of its body."""
+    size, at, axes = model.geom_size[geom], model.geom_pos[geom], np.empty(9)
+    mujoco.mju_quat2Mat(axes, model.geom_quat[geom])
+    turn = axes.reshape(3, 3)
+    match int(model.geom_type[geom]):
+        case mujoco.mjtGeom.mjGEOM_CAPSULE | mujoco.mjtGeom.mjGEOM_CYLINDER:
+            half = turn[:, 2] * size[1]
+            return [(at - half, at + half)]
+        case mujoco.mjtGeom.mjGEOM_BOX:
+            corners = [np.array(signs) for signs in product((-1, 1), repeat=3)]
+            edges = [(one, other) for one, other in combinations(corners, 2) if np.abs(one - other).sum() == 2]
+            return [(at + turn @ (one * size), at + turn @ (other * size)) for one, other in edges]
+        case _:
+            return []
 
 
 def _body(model: mujoco.MjModel, body: int) -> str:

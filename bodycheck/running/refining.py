@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.adapters.file_motion import FileFacts, FileMotions, FileRun, MotionRefused, Names, nudged
+from bodycheck.adapters.file_motion import FileFacts, FileMotions, FileRun, MotionRefused, Names, Sticks, nudged
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile
 from bodycheck.casefile.content import Case
 from bodycheck.reference.mechanisms.mechanism import AnyScene, BodyStart, Joint, JointedBody, Mechanism
@@ -79,6 +79,8 @@ class Motion:
         Warnings of the engine, and the iterations of its solver.
     names
         The names of the bodies and joints of a file; none for a case.
+    sticks
+        The lines by which pictures show the bodies of a file, as in `FileMotion`.
     """
 
     t: Array
@@ -94,6 +96,7 @@ class Motion:
     wall_time: float
     notes: Mapping[str, int] = field(default_factory=dict)
     names: Names = field(default_factory=Names)
+    sticks: tuple[Sticks, ...] = ()
 
     def part(self, rows: NDArray[np.int64]) -> "Motion":
         """Return the motion at some of its instants, given by their indices (k,)."""
@@ -153,7 +156,8 @@ def run_file(adapter: FileMotions, call: RunFile) -> Motion | Ended:
     if motion.ended:
         return Ended("reset" if motion.reset else "diverged", motion.ended)
     parts = (motion.t, motion.position, motion.quaternion, motion.angles, motion.turns, motion.slides, motion.energy)
-    return Motion(*parts, None, motion.regimes, motion.steps, motion.wall_time, motion.warnings, motion.names)
+    about = (motion.regimes, motion.steps, motion.wall_time, motion.warnings, motion.names, motion.sticks)
+    return Motion(*parts, None, *about)
 
 
 def run_case(call: RunCase) -> Motion | Ended:

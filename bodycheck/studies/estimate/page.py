@@ -9,7 +9,7 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.notices import of_header
 from bodycheck.reports.quantities import QUANTITIES, exactly, number
-from bodycheck.reports.study import Chart, Part, StudyReport
+from bodycheck.reports.study import Chart, Part, StudyReport, animation_of
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.header import Header
 from bodycheck.results.key import RunKey
@@ -57,6 +57,7 @@ def _part(results: Estimates, engine: str, rows: Sequence[EstimateRow]) -> Part:
         charts=tuple(_charts(results, rows, lines)),
         tables=(("All time steps that were tried", _table(rows)),),
         lines=tuple(line for key, line in lines.items() if key in drawn),
+        animations=(animation_of(results.shown[engine]),) if engine in results.shown else (),
     )
 
 

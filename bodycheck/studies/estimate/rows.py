@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from bodycheck.results.tables import Meaning, table_of
 
@@ -129,6 +129,8 @@ class OfEngine:
         The rows.
     apart
         The distance of the finest run from the truth of a case and the bound of the truth's error, by quantities.
+    shown
+        The animation of the runs of a file as a record; None if there is none.
     """
 
     engine: str
@@ -137,6 +139,7 @@ class OfEngine:
     kind: str
     rows: tuple[EstimateRow, ...]
     apart: dict[str, tuple[float, float]]
+    shown: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -159,6 +162,8 @@ class Estimates:
         For pairs of engines the differences between their limits, each with its uncertainty, by quantities.
     causes
         For each of several engines what its reader makes of the file other than the file says, in words.
+    shown
+        For engines with an animation of the runs, the animation as a record.
     """
 
     file: str
@@ -171,6 +176,7 @@ class Estimates:
     apart: dict[str, dict[str, tuple[float, float]]]
     spread: dict[tuple[str, str], dict[str, tuple[float, float]]]
     causes: dict[str, str]
+    shown: dict[str, dict[str, Any]]
 
 
 def joined(
@@ -188,6 +194,7 @@ def joined(
         apart={one.engine: one.apart for one in engines if one.apart},
         spread={(one, other): differences for one, other, differences in spread},
         causes=causes,
+        shown={one.engine: one.shown for one in engines if one.shown is not None},
     )
 
 

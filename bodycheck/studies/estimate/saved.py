@@ -24,4 +24,7 @@ def read(folder: Path) -> StudyReport:
     results = joined(about, engines, apart, records.typed(dict[str, str], causes))
     if sorted(map(repr, reading.rows(folder, ROWS))) != sorted(map(repr, results.rows)):
         raise BadFolder(f"{folder}: damaged: {ROWS.file} does not list the same runs as {RECORDS}")
-    return page.present(header, results)
+    try:
+        return page.present(header, results)
+    except (KeyError, TypeError) as error:
+        raise BadFolder(f"{folder / RECORDS}: damaged: {type(error).__name__}: {error}") from error

@@ -33,7 +33,7 @@ from bodycheck.running.campaign import Advance
 from bodycheck.running.instants import default_timestep
 from bodycheck.running.refining import AskFile, Call, Ended, Motion, RunCase, RunFile
 from bodycheck.running.tasks import Question, answer
-from bodycheck.studies.estimate import factors, rating
+from bodycheck.studies.estimate import factors, rating, showing
 from bodycheck.studies.estimate.distances import differences, in_common
 from bodycheck.studies.estimate.method import NoTime, Refined, Subject, refined, searched
 from bodycheck.studies.estimate.quantities import AT_END, NAMED, OF_ONE_RUN, PLACES, SHORT, USUAL
@@ -291,7 +291,9 @@ def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, _Limi
     finest = every[0].levels.levels[-1].motion if every and every[0].levels.levels else None
     kind = "" if finest is None else _kind(asked, facts, finest)
     apart = _from_truth(asked, finest)
-    return OfEngine(name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart), _limit(asked, every)
+    shown = None if asked.file is None else showing.animation(name, facts.method.timestep, every, asked.instants)
+    of_engine = OfEngine(name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart, showing.stored(shown))
+    return of_engine, _limit(asked, every)
 
 
 def _of_method(

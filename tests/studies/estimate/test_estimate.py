@@ -216,3 +216,20 @@ def test_a_class_whose_coverage_is_measured_keeps_the_share_that_is_promised() -
         known = factors.factors()[kind]
         assert 1 < known.factor <= 4
         assert not known.sample or known.coverage >= (0.95 if kind in ("smooth", "driven") else 0.9)
+
+
+def test_the_report_of_a_file_shows_its_motion_beside_the_finest_run(tmp_path: Path) -> None:
+    file = tmp_path / "pendulum.xml"
+    file.write_text(PENDULUM, "utf-8")
+    out = tmp_path / "out"
+    results = bodycheck.estimate(file, engine="mujoco", integrator="Euler", quantity="attitude", out=out)
+    data = results.estimates.shown["mujoco"]["data"]
+    # A capsule of 1 m along the arm, from its centre of mass, in units of the extent.
+    ((one, other),) = data["bodies"][0]["sticks"]
+    assert np.linalg.norm(np.subtract(one, other)) * data["extent"] == pytest.approx(1.0, rel=1e-4)
+    (own,) = [row for row in rows_of(results, "attitude_error") if row.timestep == 0.004]
+    assert own.low is not None
+    assert own.high is not None
+    assert own.low <= data["runs"][0]["attitude_error"] <= own.high
+    assert len(data["truth"]["parts"]) == len(data["bodies"]) == 1
+    assert 'class="player"' in (out / "report.html").read_text("utf-8")

@@ -17,7 +17,7 @@ from bodycheck.errors import BadFolder
 from bodycheck.files import reading, writing
 from bodycheck.reference.requirements import needs
 from bodycheck.reports.quantities import count
-from bodycheck.reports.study import Animation
+from bodycheck.reports.study import Animation, animation_of
 from bodycheck.studies.ensemble.findings import stored
 from bodycheck.studies.ensemble.findings.aggregates import Aggregates
 from bodycheck.studies.ensemble.findings.analysis import Analysis, analyse
@@ -148,14 +148,6 @@ def shown(folder: Path) -> tuple[tuple[page.File, ...], tuple[Animation, ...]]:
     try:
         content = json.loads(reading.content(path, MAX_BYTES))
         files = tuple(page.File(int(one["member"]), str(one["name"]), str(one["title"])) for one in content["files"])
-        return files, tuple(map(_animation, content["animations"]))
+        return files, tuple(map(animation_of, content["animations"]))
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise BadFolder(f"{path}: damaged: {type(error).__name__}: {error}") from error
-
-
-def _animation(stored: Any) -> Animation:
-    """Return an animation that was stored. Raises `TypeError` and `KeyError` for anything else."""
-    data = stored["data"]
-    if not (data is None or isinstance(data, dict)):
-        raise TypeError(f"the data of an animation is {data!r:.60}; allowed: an object or null")
-    return Animation(str(stored["title"]), data, str(stored["alt"]), tuple(map(str, stored["notes"])))
