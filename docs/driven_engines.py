@@ -1,4 +1,4 @@
-"""Print the tables of docs/driven_engines.md: the shipped driven cases in each engine.
+"""Print the tables of docs/driven.md: the shipped driven cases in each engine.
 
 Run: python docs/driven_engines.py [ENGINE …]
 
@@ -65,7 +65,7 @@ def table(head: Sequence[str], rows: Iterator[Sequence[str]]) -> str:
 
 def main(arguments: list[str] | None = None) -> None:
     """Print the two tables for some engines."""
-    parser = argparse.ArgumentParser(description="Print the tables of shipped cases in docs/driven_engines.md.")
+    parser = argparse.ArgumentParser(description="Print the tables of shipped cases in docs/driven.md.")
     parser.add_argument("engines", nargs="*", metavar="ENGINE", help="engines; all that are installed, without any")
     asked = parser.parse_args(arguments).engines or [name for name in registry.names() if name in METHODS]
     cases = [case.name for case in map(load, shipped()) if TAG in case.tags]

@@ -1,4 +1,4 @@
-"""Print the tables of docs/robots.md from the results of `bodycheck parity --out FOLDER`.
+"""Print the tables of docs/robots.md on parity from the results of `bodycheck parity --out FOLDER`.
 
 Run: python docs/robots.py FOLDER
 

@@ -60,7 +60,7 @@ def test_the_notebook_runs() -> None:
 
 
 def test_the_blocks_of_the_guide_run(capsys: pytest.CaptureFixture[str]) -> None:
-    loop, single = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text("utf-8"), re.DOTALL)
+    loop, single = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "reference" / "python.md").read_text("utf-8"), re.DOTALL)
     exec(loop, {})
     steps, errors = zip(*(map(float, line.split()) for line in capsys.readouterr().out.splitlines()), strict=True)
     assert steps == (0.004, 0.002, 0.001)

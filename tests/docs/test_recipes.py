@@ -102,11 +102,12 @@ def test_the_action_runs_the_cases_and_engines_that_are_named(repository: Path, 
 
 @pytest.mark.slow
 def test_the_recipe_of_a_baseline_measures_the_cases_of_the_repository(repository: Path) -> None:
-    text = (ROOT / "docs" / "ci.md").read_text("utf-8").partition("## Baselines")[2]
-    (recipe,) = re.findall(r"((?:^    bodycheck (?:run|diff) .*\n){3})", text, re.MULTILINE)[:1]
-    done = run(recipe, repository)
+    text = (ROOT / "docs" / "howto" / "gate-ci.md").read_text("utf-8").partition("## Baselines")[2]
+    recipe = re.findall(r"^\$ (bodycheck (?:run|diff) .*)", text, re.MULTILINE)[:3]
+    assert [command.split()[1] for command in recipe] == ["run", "run", "diff"]
+    done = run("\n".join(recipe), repository)
     assert done.returncode == 0, done.stderr
-    assert cases(repository / "base.parquet") == cases(repository / "now.parquet") == {"own"}
+    assert cases(repository / "baseline.parquet") == cases(repository / "now.parquet") == {"own"}
 
 
 def test_recipes_leave_the_python_of_the_job_alone_and_need_no_new_bash() -> None:

@@ -1,4 +1,4 @@
-"""The tables of docs/robots.md: what the script makes of rows, and that the page speaks of every engine and cause."""
+"""The tables of docs/robots.md: what the script makes of rows, and that the pages speak of every engine and cause."""
 
 import runpy
 from pathlib import Path
@@ -13,7 +13,7 @@ from bodycheck.studies.parity.quantities import Cause, Status
 from bodycheck.studies.parity.rows import Compared
 from tests.support import ROOT
 
-PAGE = (ROOT / "docs" / "robots.md").read_text("utf-8")
+PAGE = "".join((ROOT / "docs" / name).read_text("utf-8") for name in ("howto/check-a-robot.md", "robots.md"))
 
 FOUND = {
     ("one", "file"): Compared("refused", "inertia", "arm", "no moment is negative"),
@@ -46,7 +46,7 @@ def test_engines_with_the_same_robots_share_a_row(
     assert lines[-1] == "1 of 2 files state values that no body can have."
 
 
-def test_the_page_tells_of_every_engine_cause_and_status() -> None:
+def test_the_pages_tell_of_every_engine_cause_and_status() -> None:
     engines = [name for name in registry.names() if (ROOT / "adapters" / name / "robots.py").is_file()]
     assert engines
     assert [name for name in engines if f"\n| {name} " not in PAGE] == []

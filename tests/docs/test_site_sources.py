@@ -3,20 +3,32 @@
 The built documentation is tested in test_site.py.
 """
 
-import fnmatch
+import posixpath
 import re
 import runpy
+from html import unescape
 from pathlib import Path
 
 import pytest
 from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.highlighting import PygmentsBridge
 
 import bodycheck
 from bodycheck.casefile import authoring
 from bodycheck.commands.command_line import COMMANDS, app
 from bodycheck.figures.columns import COLUMNS, FIGURES, LIMIT_COLUMNS
 from bodycheck.studies import registry
-from docs.extensions import case_grammar, command_line, formulas, generated, python_interface, result_columns, versions
+from docs.extensions import (
+    case_grammar,
+    code_lines,
+    command_line,
+    formulas,
+    generated,
+    moved,
+    python_interface,
+    result_columns,
+    versions,
+)
 from tests.support import ROOT
 
 DOCS = ROOT / "docs"
@@ -34,8 +46,13 @@ CONTENTS = re.compile(r"^```\{toctree\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 def listed(page: str) -> list[str]:
     """The pages in the tables of contents of a page, in their order."""
     entries = "\n".join(CONTENTS.findall(PAGES[page].read_text("utf-8"))).splitlines()
-    patterns = [entry for entry in entries if entry and not entry.startswith(":")]
-    return [name for pattern in patterns for name in fnmatch.filter(PAGES, pattern) or [pattern] if "*" not in name]
+    names = [entry for entry in entries if entry and not entry.startswith(":")]
+    return [posixpath.normpath(posixpath.join(posixpath.dirname(page), name)) for name in names]
+
+
+def listed_below(page: str) -> list[str]:
+    """The pages in the tables of contents of a page and of those in them."""
+    return [name for each in listed(page) for name in (each, *listed_below(each))]
 
 
 def test_the_configuration_loads() -> None:
@@ -47,14 +64,38 @@ def test_the_configuration_loads() -> None:
 
 
 def test_every_page_is_in_one_table_of_contents() -> None:
-    assert sorted(listed("index")) == sorted(set(PAGES) - {"index"})
+    assert sorted(listed_below("index")) == sorted(set(PAGES) - {"index"})
 
 
-def test_every_page_is_two_steps_from_the_readme() -> None:
-    """From the README to the front page, which names every page in a table of contents, or to the page itself."""
+def test_the_navigation_has_few_links() -> None:
+    """It has the pages of the front page, beside every page."""
+    assert len(listed("index")) <= 25
+
+
+def test_every_page_is_three_steps_from_the_readme() -> None:
+    """From the README to the front page, to a page in its table of contents, and to one in the contents of that page."""
     readme = set(re.findall(r"\]\(docs/([\w/-]+)\.(?:md|ipynb)", (ROOT / "README.md").read_text("utf-8")))
     assert "index" in readme
-    assert set(PAGES) - {"index"} <= readme | set(listed("index"))
+    first = listed("index")
+    assert set(PAGES) - {"index"} <= readme | set(first) | {name for page in first for name in listed(page)}
+
+
+def test_the_address_of_a_page_that_was_joined_leads_to_its_text() -> None:
+    for old, new in moved.MOVED.items():
+        page, _, part = new.partition("#")
+        assert old not in PAGES
+        text = PAGES[page].read_text("utf-8")
+        titles = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+        assert not part or part in {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}, new
+    assert 'href="../howto/gate-ci.html#baselines"' in moved.page("old/ci", "howto/gate-ci#baselines")
+
+
+def test_lines_of_code_have_elements_and_keep_their_text() -> None:
+    bridge = PygmentsBridge("html")
+    bridge.formatter = code_lines.LineFormatter
+    html = bridge.highlight_block("a = 1  # one\n\nb = 2", "python")
+    assert html.count('<span class="line">') == 3
+    assert unescape(re.sub(r"<[^>]*>", "", html)).strip("\n") == "a = 1  # one\n\nb = 2"
 
 
 @pytest.mark.parametrize("page", sorted(generated.PAGES))

@@ -34,6 +34,30 @@ def test_sentences_of_claims_are_inserted_into_a_page(script: dict[str, Any]) ->
     assert script["with_claims"](renewed, ROOT / "docs" / "page.md") == renewed
 
 
+def test_the_advice_has_the_numbers_of_the_submissions() -> None:
+    advice = runpy.run_path(str(ROOT / "docs" / "advice.py"))
+    page = (ROOT / "docs" / "howto" / "choose-a-method.md").read_text("utf-8")
+    assert "\n".join(advice["table"](advice["rows"]())) in page, "renew it by: python docs/advice.py"
+
+
+def test_the_advice_counts_scenes_and_prefers_the_cheaper_of_equal_methods() -> None:
+    advice = runpy.run_path(str(ROOT / "docs" / "advice.py"))
+    methods = {
+        "default": ({"a": 0.1, "b": 1e-3}, [1.0, 1.0]),
+        "dear": ({"a": 1e-9, "b": 1e-9}, [3.0, 3.0]),
+        "cheap": ({"a": 1e-4, "b": 1e-4}, [2.0, 2.0]),
+        "wrong": ({"a": 2e-3, "c": 1e-3}, [1.0, 1.0]),
+    }
+    assert advice["cell"](methods) == "`cheap` 2, default 1 of 3"
+    assert advice["cell"](methods | {"default": ({"a": 0.0, "b": 0.0, "c": 0.0}, [1.0])}) == "default 3 of 3"
+
+
+def test_mistakes_that_the_advice_leaves_out_are_those_of_the_adapter() -> None:
+    advice = runpy.run_path(str(ROOT / "docs" / "advice.py"))
+    engine = pytest.importorskip("adapters.pinocchio.adapter", reason="Pinocchio is not installed").engine
+    assert set(advice["MISTAKES"]) == {each.name for each in engine.integrators if each.demonstrates}
+
+
 @pytest.mark.parametrize(
     ("text", "fault"),
     [

@@ -1,4 +1,4 @@
-"""The engine of another package, as docs/engines.md shows it, has everything that the engines of bodycheck have."""
+"""The engine of another package, as docs/howto/write-an-adapter.md shows it, has everything that the engines of bodycheck have."""
 
 import json
 import shlex
@@ -32,7 +32,7 @@ def step(inertia, gravity, state, h):
 
 
 def test_the_package_of_the_guide_is_an_engine(wheel: Callable[..., Path], place: Path, tmp_path: Path) -> None:
-    guide = ROOT / "docs" / "engines.md"
+    guide = ROOT / "docs" / "howto" / "write-an-adapter.md"
     ((module,), (project,), (commands,)) = (blocks(guide, language) for language in ("python", "toml", "sh"))
     assert len(module.splitlines()) <= 60  # as the guides say
     (tmp_path / "bodycheck_toy.py").write_text(module, "utf-8")

@@ -1,8 +1,10 @@
 """Pages to be followed: their commands, the files that they show, and whether what is printed is what they show.
 
-In a page, a block `console` has commands after `$ ` and below each what it prints. A block in any other language is a file,
-whose name ends the paragraph before it, as in "Save this as `name.toml`:". The comment `<!-- downloads -->` stands before a
-block whose commands need a network. In what a page shows, `…` stands for anything.
+In a page, a block `console` has commands after `$ ` and below each what it prints; a command goes on after a backslash at the
+end of its line. A block in any other language is a file, whose name ends the paragraph before it, as in "Save this as
+`name.toml`:". The comment `<!-- downloads -->` stands before a block whose commands need a network, and `<!-- an example -->`
+before one that is not followed. Blocks of Sphinx, such as `{include}`, are left alone. In what a page shows, `…` stands for
+anything.
 """
 
 import os
@@ -22,6 +24,9 @@ from tests.support.terminals import terminal
 
 #: The comment before a block whose commands need a network.
 DOWNLOADS = "<!-- downloads -->"
+
+#: The comment before a block that is not followed.
+EXAMPLE = "<!-- an example -->"
 
 #: Largest relative difference of a printed number from the one in a page, which has two to four digits.
 TOLERANCE = 0.01
@@ -72,6 +77,8 @@ def steps(page: Path) -> list[Command | File]:
         before = next((line for line in reversed(lines[:first]) if line), "")
         if lines[first] == "```console":
             found += _commands(lines[first + 1 : last], first + 2, before == DOWNLOADS)
+        elif lines[first].startswith("```{") or before == EXAMPLE:
+            continue
         elif named := re.search(r"`([\w./-]+)`:$", before):
             found.append(File(named[1], "\n".join(lines[first + 1 : last]) + "\n"))
         else:
@@ -82,7 +89,9 @@ def steps(page: Path) -> list[Command | File]:
 def _commands(lines: Sequence[str], number: int, downloads: bool) -> Iterator[Command]:
     starts = [place for place, line in enumerate(lines) if line.startswith("$ ")]
     for start, end in zip(starts, [*starts[1:], len(lines)], strict=True):
-        yield Command(number + start, lines[start][2:], "\n".join(lines[start + 1 : end]), downloads)
+        last = next(place for place in range(start, end) if not lines[place].endswith("\\"))
+        text = " ".join(line.removesuffix("\\").strip() for line in lines[start : last + 1])
+        yield Command(number + start, text.removeprefix("$ "), "\n".join(lines[last + 1 : end]), downloads)
 
 
 def follow_here(page: Path, folder: Path) -> list[Printed]:

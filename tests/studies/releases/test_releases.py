@@ -319,7 +319,7 @@ def test_a_study_that_is_killed_goes_on_and_finds_what_changed(index: Path, spin
 
 @pytest.mark.slow
 def test_what_mujoco_4_changed_of_a_tumbling_box(tmp_path: Path) -> None:
-    """Its Runge-Kutta scheme, and of its implicit ones the fast one; see docs/releases.md."""
+    """Its Runge-Kutta scheme, and of its implicit ones the fast one; see docs/howto/compare-releases.md."""
     try:
         environments.releases("mujoco")
     except Unobtainable as error:
