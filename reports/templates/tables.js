@@ -43,18 +43,13 @@
     head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
   };
 
-  // Returns the items that a field filters: rows, together with their rows in other pieces, and columns with search words.
+  // Returns the items that a field filters: rows, together with their rows in other pieces or with the picture of their case.
   const itemsOf = (scope) => {
     const others = scope.matches("table") ? piecesOf(scope).filter((table) => table !== scope) : [];
     const rows = [...scope.querySelectorAll(scope.matches("table") ? "tbody > tr" : "tbody > tr[data-words]")];
-    const columns = [...scope.querySelectorAll("thead th[data-words]")];
-    // The picture of a case follows its row or column.
-    const cards = [...scope.querySelectorAll("li[data-words]")];
-    const cardsOf = (one) => cards.filter((card) => card.dataset.words === one.dataset.words);
-    return [
-      ...rows.map((row) => [row, ...others.map((table) => beside.get(table).get(beside.get(row))), ...cardsOf(row)]),
-      ...columns.map((head) => [head, ...[...head.closest("table").rows].map((row) => row.cells[head.cellIndex]).filter(Boolean), ...cardsOf(head)]),
-    ];
+    const cards = new Map([...scope.querySelectorAll("li[data-case]")].map((card) => [card.dataset.case, card]));
+    const cardOf = (row) => [cards.get(row.dataset.case)].filter(Boolean);
+    return rows.map((row) => [row, ...others.map((table) => beside.get(table).get(beside.get(row))), ...cardOf(row)]);
   };
 
   // Shows only the items that contain all words of the field.
