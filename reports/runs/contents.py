@@ -29,6 +29,7 @@ from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.kinds import kind_of
 from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.motions.animation import animated
+from bodycheck.reports.runs.motions.leading import Leading, leading
 from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, Playback
 from bodycheck.reports.runs.motions.stills import still
 from bodycheck.reports.runs.origins import Origins, origins
@@ -146,6 +147,8 @@ class Contents:
         A sentence about the failed runs; None if there are none.
     answers, findings
         Sentences for the beginning of the report, and sentences on where discrepancies come from.
+    leading
+        The animation at the beginning; None if there is none, and in a comparison.
     trades
         Charts of error over cost: one for each kind of scene, by its name, the kind with the most runs first.
     failures
@@ -170,6 +173,7 @@ class Contents:
     broken: Finding | None
     answers: tuple[Finding, ...]
     findings: tuple[Finding, ...]
+    leading: Leading | None
     trades: Mapping[str, Chart]
     failures: tuple[Failure, ...]
     lines: tuple[Line, ...]
@@ -221,6 +225,9 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
         broken=told.broken,
         answers=told.answers,
         findings=told.findings,
+        leading=None
+        if len(sets) > 1
+        else leading({section.name: section.playback for section in sections}, told.default, told.choices),
         trades={one.kind.name: chart for one in told.choices if (chart := error_over_cost(one)) is not None},
         failures=tuple(
             _failure(case, verdict, lines) for case in shown for verdict in case.verdicts if verdict.passed is False

@@ -41,6 +41,7 @@ def index(contents: Contents) -> list[Link]:
     failed = {failure.case for failure in contents.failures}
     first = (
         ("findings", "Answers", contents.answers or contents.broken),
+        ("motion", "Motion", contents.leading),
         ("failures", "Failed runs", contents.failures),
         ("matrix", "Scenes and motions", contents.matrices),
     )
