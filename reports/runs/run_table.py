@@ -75,7 +75,7 @@ def run_table(
     )
     versions = _versions(verdicts)
     cells = [
-        _entries(verdict, row, quantities, anchors[verdict.key], drawn, len(versions[verdict.run.engine]) > 1)
+        _entries(verdict, row, quantities, drawn, len(versions[verdict.run.engine]) > 1)
         | {"Integrator": _integrator(verdict, anchors[verdict.key], demonstrations)}
         | {label: _number(row.get(name)) for name, label in before.items()}
         for verdict, row in zip(verdicts, rows, strict=True)
@@ -128,13 +128,12 @@ def _entries(
     verdict: Verdict,
     row: Mapping[str, Any],
     quantities: Sequence[Quantity],
-    anchor: str,
     drawn: Collection[str],
     several_versions: bool,
 ) -> dict[str, Entry]:
-    """Return the cells of a run by column. A figure links to its curve, or to the command (`anchor`) if it has no curve."""
+    """Return the cells of a run by column. A figure links to its curve, if it has one."""
     time_per_step = row.get("time_per_step")
-    leads = {name: curve_anchor(verdict.run.case, name) if name in drawn else anchor for name in (q.name for q in quantities)}
+    leads = {one.name: curve_anchor(verdict.run.case, one.name) if one.name in drawn else "" for one in quantities}
     return {
         "Engine": Entry(f"{row['engine']}\u00a0{row['version']}" if several_versions else row["engine"]),
         "Set": Entry(verdict.label),
@@ -143,14 +142,14 @@ def _entries(
         "Expectation": Entry(expectation_status(verdict)),
         "Margin": _margin(verdict.margins),
         **{quantity.label: _figure(row, quantity, leads[quantity.name]) for quantity in quantities},
-        COST: Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step, link=anchor),
+        COST: Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step),
         "Reason": Entry(row["reason"]),
     }
 
 
 def _integrator(verdict: Verdict, anchor: str, demonstrations: Mapping[RunKey, str]) -> Entry:
     marked = " (demonstration)" if verdict.key.over_cases in demonstrations else ""
-    return Entry(f"{verdict.run.method.name}{marked}", meaning="the command that makes this run", link=anchor)
+    return Entry(f"{verdict.run.method.name}{marked}", link=anchor)
 
 
 def _versions(verdicts: Sequence[Verdict]) -> dict[str, set[str]]:

@@ -89,7 +89,7 @@ const mechanismLegend = ({ within, bodies, driven, follows, known, end }) => {
   const legend = html("p", { class: "note key" });
   const explain = (kind, d, words) =>
     legend.append(html("span", {}, svg("svg", { viewBox: "0 0 26 12", class: "drawing sign", "aria-hidden": "true" }, svg("path", { class: kind, d })), html("span", {}, words)));
-  if (bodies.some(({ sticks }) => sticks.length)) explain("stick sample", "M2 9 13 3 24 9", "body without a shape: from its joint to its centre of mass and to the next joints");
+  if (bodies.some(({ sticks }) => sticks.length)) explain("stick sample", "M2 9 13 3 24 9", "body without a shape, along its links");
   if (bodies.some(({ joints }) => joints.length)) explain("pin", "M13 6h0", "joint");
   explain("ghost", "M3 2H23V10H3Z", "bodies of the truth");
   if (driven.some(({ target }) => target)) explain("target", "M2 9 13 3 24 9", "bodies at the targets of their joints");
@@ -113,8 +113,6 @@ const buildMechanism = (figure, data) => {
   const controls = controlsOf(data.end, fastest);
   const status = html("p", { class: "unseen", role: "status" });
   const stage = html("div", { class: "stage" }, ...panels.map(({ element }) => element));
-  const trace = traceOf(data.end, errorsOf, indistinct(data.within), (t) => shownNow.move(t));
-  figure.prepend(stage, trace.element, controls.element, mechanismLegend(data), status);
 
   const isKnown = (t) => t <= (data.known ?? data.end);
   const errorsOf = (t) => {
@@ -125,6 +123,9 @@ const buildMechanism = (figure, data) => {
       return { angle, shift: shift * data.extent };
     });
   };
+  const trace = traceOf(data.end, errorsOf, indistinct(data.within), (t) => shownNow.move(t));
+  figure.prepend(stage, trace.element, controls.element, mechanismLegend(data), status);
+
   const differenceAt = (t) => largestOf(errorsOf(t).map(({ angle, shift }) => angle + shift / data.extent));
   const instants = Array.from({ length: 101 }, (_, k) => (data.end * k) / 100);
   const worst = instants.reduce((best, t) => (differenceAt(t) > differenceAt(best) + 1e-6 ? t : best), 0);
