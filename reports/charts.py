@@ -56,7 +56,7 @@ def framed(layers: list[Spec], height: int) -> Spec:
             "background": None,
             "font": "system-ui, sans-serif",
             "view": {"stroke": None},
-            "axis": {**text, **rules, "labelOverlap": "greedy"},
+            "axis": {**text, **rules, "labelOverlap": "greedy", "labelSeparation": 6},
             "legend": {
                 "labelColor": INK,
                 "orient": "top",

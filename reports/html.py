@@ -2,6 +2,8 @@
 
 import json
 import re
+import zlib
+from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -15,12 +17,15 @@ from bodycheck.reports import charts, player
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.study import StudyReport
-from bodycheck.reports.tables import pieces
+from bodycheck.reports.tables import Entry, pieces
 from bodycheck.results import verdicts
 from bodycheck.results.header import Header
 
 #: The most cases of a report, or parts of a study, that are all open at first. If there are more, all are folded at first.
 MOST_OPEN = 4
+
+#: The end of the licence in the script of the charts. The page contains it as it is, and what follows compressed.
+LICENCE_END = "*/\n"
 
 #: Matches a number with its unit in escaped text, except numbers inside names and character references.
 MEASURE = re.compile(
@@ -107,6 +112,7 @@ def page(
         Further variables of the template.
     """
     templates = resources.files("bodycheck.reports") / "templates"
+    licence, end, code = (templates / "vega.js").read_text("utf-8").partition(LICENCE_END)
     return (
         _environment()
         .get_template(template)
@@ -115,7 +121,8 @@ def page(
             notices=notices,
             specifications=json_text(specifications),
             style=verbatim(colours() + (templates / "report.css").read_text("utf-8"), "style"),
-            library=verbatim((templates / "vega.js").read_text("utf-8"), "script"),
+            licence=verbatim(licence + end, "script"),
+            library=_deflated(code),
             index=index,
             folding=verbatim((templates / "folds.js").read_text("utf-8"), "script"),
             sorting=verbatim((templates / "tables.js").read_text("utf-8"), "script"),
@@ -144,10 +151,18 @@ def environment(room: str) -> jinja2.Environment:
 
 
 @cache
+def _deflated(text: str) -> str:
+    """Return a text as base64 of its compressed bytes, without the header that says so (raw DEFLATE)."""
+    press = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
+    return b64encode(press.compress(text.encode("utf-8")) + press.flush()).decode("ascii")
+
+
+@cache
 def _environment() -> jinja2.Environment:
     pages = environment("bodycheck.reports")
     pages.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
     pages.filters["pieces"] = pieces
+    pages.tests["sorted_apart"] = _is_sorted_apart
     pages.globals |= {"zooming": charts.ZOOMING, "most_open": MOST_OPEN}
     return pages
 
@@ -165,6 +180,15 @@ def _unbroken(text: str) -> Markup:
 def _breakable(name: str) -> Markup:
     """Return the name of an integrator, such as rk4-naive, that may break after its punctuation marks in a narrow column."""
     return Markup(re.sub(r"[-_:,=]", r"\g<0><wbr>", str(escape(name))))
+
+
+def _is_sorted_apart(entry: Entry) -> bool:
+    """Return whether a column is sorted by the number of an entry because its text is no number."""
+    try:
+        float(entry.text)
+    except ValueError:
+        return entry.value is not None
+    return False
 
 
 def _dashes(line: Line) -> str:

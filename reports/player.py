@@ -7,7 +7,7 @@ from typing import Any
 #: The files of `templates/player` without `.js`, each after the files that it uses.
 PLAYER = (
     "vectors", "tracks", "solids", "view", "elements", "motion", "body", "polhode",
-    "ground", "controls", "legend", "readings", "panels", "stage", "driven", "mechanism", "player",
+    "ground", "controls", "legend", "readings", "panels", "trace", "stage", "driven", "mechanism", "player",
 )  # fmt: skip
 
 #: The file for a page that contains the data of its players, and the file for a page that loads the data later.

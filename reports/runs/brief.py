@@ -11,7 +11,17 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import count
 from bodycheck.reports.runs import comparison
-from bodycheck.reports.runs.choices import MOST_DEFAULTS, Choice, Extreme, attention, choices, defaults, extremes, tried
+from bodycheck.reports.runs.choices import (
+    MOST_DEFAULTS,
+    Choice,
+    Default,
+    Extreme,
+    attention,
+    choices,
+    defaults,
+    extremes,
+    tried,
+)
 from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.differences import compare
 from bodycheck.reports.runs.findings import findings, measured
@@ -40,6 +50,8 @@ class Brief:
         of the engines cost in accuracy.
     choices
         The methods of each kind of scene with the chosen one; empty in a comparison.
+    default
+        The worst default method of all engines; None if no default was run, and in a comparison.
     extremes
         The methods with the smallest and the largest error of each case; empty in a comparison.
     findings
@@ -55,6 +67,7 @@ class Brief:
     steps: tuple[str, ...]
     answers: tuple[Finding, ...]
     choices: tuple[Choice, ...]
+    default: Default | None
     extremes: Mapping[str, tuple[Extreme, ...]]
     findings: tuple[Finding, ...]
 
@@ -77,6 +90,7 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
     failed = next(((case, verdict) for case in shown for verdict in case.verdicts if verdict.passed is False), None)
     runs = {} if differences else tried(shown, lines, demonstrations)
     chosen = choices(runs)
+    worst = defaults(runs)
     attended = () if differences else attention(shown, lines, demonstrations)
     return Brief(
         headline=differences.headline if differences else headline(first.results, verdicts),
@@ -89,11 +103,12 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
         answers=(
             *(differences.findings if differences else ()),
             *(choice.finding for choice in chosen[:1]),
-            *defaults(runs)[:MOST_DEFAULTS],
+            *(default.finding for default in worst[:MOST_DEFAULTS]),
             *(choice.finding for choice in chosen[1:]),
             *attended,
         ),
         choices=chosen,
+        default=worst[0] if worst else None,
         extremes=extremes(runs),
         findings=findings(
             measured(verdicts, lines),

@@ -234,8 +234,36 @@ def extremes(runs: Mapping[Kind, Sequence[Tried]]) -> dict[str, tuple[Extreme, .
     return ends
 
 
-def defaults(runs: Mapping[Kind, Sequence[Tried]]) -> tuple[Finding, ...]:
-    """Return a sentence on the default method of each engine in the case in which it is worst, the worst engine first.
+@dataclass(frozen=True)
+class Default:
+    """The default method of an engine in the case in which it is worst, and the best of the engine's methods there.
+
+    `better` is `worst` itself if no other method has a smaller error.
+    """
+
+    kind: Kind
+    worst: Tried
+    better: Tried
+
+    @property
+    def finding(self) -> Finding:
+        """The error of the default method as a sentence, beside that of the better one."""
+        worst, better, unit = self.worst, self.better, self.kind.figure.unit
+        start = f"The default of {worst.line.engine}, {worst.method}, "
+        if worst.error <= ENOUGH:
+            return Finding("Default", f"{start}is off by at most {bound(worst.error, 2)} {unit}, in ", worst.case, ".")
+        rest = "."
+        if better.error < worst.error / 2:
+            times = better.wall_time / worst.wall_time if worst.wall_time and better.efforts == worst.efforts else 0.0
+            cost = f" at {number(times, 2)} times the cost" if times else ""
+            rest = f", where {better.method} is off by {number(better.error, 2)} {unit}{cost}."
+        if worst.truth_error:
+            rest += f" The truth's own error there is at most {bound(worst.truth_error, 2)} {unit}."
+        return Finding("Default", f"{start}is off by {number(worst.error, 2)} {unit} in ", worst.case, rest)
+
+
+def defaults(runs: Mapping[Kind, Sequence[Tried]]) -> tuple[Default, ...]:
+    """Return the default method of each engine in the case in which it is worst, the worst engine first.
 
     Cases with contact count only if there are no others, since the model of the contact matters more there than the method.
     """
@@ -246,24 +274,13 @@ def defaults(runs: Mapping[Kind, Sequence[Tried]]) -> tuple[Finding, ...]:
             if one.default and (one.line.engine not in worst or one.error > worst[one.line.engine][0].error):
                 worst[one.line.engine] = one, kind
     ordered = sorted(worst.values(), key=lambda pair: -pair[0].error)
-    return tuple(_of_default(one, kind, chosen[kind]) for one, kind in ordered)
+    return tuple(Default(kind, one, _better(one, chosen[kind])) for one, kind in ordered)
 
 
-def _of_default(worst: Tried, kind: Kind, runs: Sequence[Tried]) -> Finding:
-    unit, engine = kind.figure.unit, worst.line.engine
-    start = f"The default of {engine}, {worst.method}, "
-    if worst.error <= ENOUGH:
-        return Finding("Default", f"{start}is off by at most {bound(worst.error, 2)} {unit}, in ", worst.case, ".")
-    beside = [one for one in runs if (one.line.engine, one.case) == (engine, worst.case) and one.line != worst.line]
-    better = min(beside, key=lambda one: one.error, default=worst)
-    rest = "."
-    if better.error < worst.error / 2:
-        times = better.wall_time / worst.wall_time if worst.wall_time and better.efforts == worst.efforts else 0.0
-        cost = f" at {number(times, 2)} times the cost" if times else ""
-        rest = f", where {better.method} is off by {number(better.error, 2)} {unit}{cost}."
-    if worst.truth_error:
-        rest += f" The truth's own error there is at most {bound(worst.truth_error, 2)} {unit}."
-    return Finding("Default", f"{start}is off by {number(worst.error, 2)} {unit} in ", worst.case, rest)
+def _better(worst: Tried, runs: Sequence[Tried]) -> Tried:
+    """Return the run of the same engine and case with the smallest error."""
+    beside = [one for one in runs if (one.line.engine, one.case) == (worst.line.engine, worst.case)]
+    return min(beside, key=lambda one: one.error)
 
 
 def attention(cases: Sequence[Shown], lines: Mapping[RunKey, Line], demonstrations: Collection[RunKey]) -> Iterator[Finding]:

@@ -1,8 +1,7 @@
 """The contents of the report of runs before layout, which all writers use."""
 
-import math
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +20,9 @@ from bodycheck.reports.runs.brief import brief
 from bodycheck.reports.runs.charts import curves
 from bodycheck.reports.runs.charts.choice_charts import error_over_cost
 from bodycheck.reports.runs.charts.curves import Curves
-from bodycheck.reports.runs.charts.step_charts import over_steps
+from bodycheck.reports.runs.charts.drawn_cases import drawn_cases
+from bodycheck.reports.runs.charts.legends import first_lines
+from bodycheck.reports.runs.charts.step_charts import StepCharts, over_steps
 from bodycheck.reports.runs.choices import Extreme
 from bodycheck.reports.runs.commands import Command, command
 from bodycheck.reports.runs.comparison import Shown
@@ -29,6 +30,7 @@ from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.kinds import kind_of
 from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.motions.animation import animated
+from bodycheck.reports.runs.motions.leading import Leading, leading
 from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, Playback
 from bodycheck.reports.runs.motions.stills import still
 from bodycheck.reports.runs.origins import Origins, origins
@@ -55,10 +57,6 @@ MOST_INSTANTS, LEAST_INSTANTS = 25_000, 50
 #: The most processor time (s) for the curves and the animation of a case. A thousand runs take about twenty seconds.
 DRAWING_LIMIT_S = 120.0
 
-#: The most cases that have curves and an animation, which need most of the size of a page and most of the time to make it.
-#: Every case has its facts, its table and the commands of its runs.
-MOST_DRAWN = 100
-
 #: The reasons why a case has no runs to show.
 NONE_FINISHED, ALL_REFUSED = "No run of this case finished.", "No run of this case has a result."
 
@@ -81,11 +79,11 @@ class Section:
     commands
         The commands that reproduce the runs.
     steps
-        Charts of errors over the time step; empty if there is only one time step.
+        Charts of errors over the time step; none if there is only one time step.
     origins
         Parts of the contact discrepancies; None without contact.
-    curves
-        Plots over time.
+    curves, first
+        Plots over time, and the lines that they show first.
     playback
         The animation; None if no run has a truth with which it can be compared.
     still
@@ -102,9 +100,10 @@ class Section:
     table: Table | None
     absence: str
     commands: tuple[Command, ...]
-    steps: tuple[Chart, ...]
+    steps: StepCharts
     origins: Origins | None
     curves: Curves
+    first: tuple[Line, ...]
     playback: Playback | None
     still: str
     extremes: tuple[Extreme, ...]
@@ -146,6 +145,8 @@ class Contents:
         A sentence about the failed runs; None if there are none.
     answers, findings
         Sentences for the beginning of the report, and sentences on where discrepancies come from.
+    leading
+        The animation at the beginning; None if there is none, and in a comparison.
     trades
         Charts of error over cost: one for each kind of scene, by its name, the kind with the most runs first.
     failures
@@ -170,6 +171,7 @@ class Contents:
     broken: Finding | None
     answers: tuple[Finding, ...]
     findings: tuple[Finding, ...]
+    leading: Leading | None
     trades: Mapping[str, Chart]
     failures: tuple[Failure, ...]
     lines: tuple[Line, ...]
@@ -221,6 +223,9 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
         broken=told.broken,
         answers=told.answers,
         findings=told.findings,
+        leading=None
+        if len(sets) > 1
+        else leading({section.name: section.playback for section in sections}, told.default, told.choices),
         trades={one.kind.name: chart for one in told.choices if (chart := error_over_cost(one)) is not None},
         failures=tuple(
             _failure(case, verdict, lines) for case in shown for verdict in case.verdicts if verdict.passed is False
@@ -306,6 +311,7 @@ def _section(
         steps=over_steps(verdicts),
         origins=origins(parts),
         curves=drawn,
+        first=first_lines(verdicts, lines, kind_of(case.scene).quantity),
         playback=played,
         still=picture,
         extremes=extremes,
@@ -348,34 +354,6 @@ def _drawn(
     )
 
 
-def drawn_cases(cases: Sequence[Shown], findings: Sequence[Finding]) -> Collection[str]:
-    """Return the names of the cases that are drawn, at most `MOST_DRAWN`.
-
-    The cases that findings name come first, then cases with failed runs, then all others. Within each of these groups, the
-    cases with the largest errors of each kind of scene come first, in the quantity that the matrix of the kind shows.
-    """
-    if len(cases) <= MOST_DRAWN:
-        return [case.name for case in cases]
-    named = {finding.where for finding in findings}
-    by_kind: dict[str, list[Shown]] = {}
-    for case in sorted(cases, key=_largest, reverse=True):
-        by_kind.setdefault(kind_of(case.case.scene).name, []).append(case)
-    ranks = {case.name: rank for same_kind in by_kind.values() for rank, case in enumerate(same_kind)}
-
-    def urgency(case: Shown) -> tuple[bool, bool, int]:
-        failed = any(verdict.passed is False for verdict in case.verdicts)
-        return case.name not in named, not failed, ranks[case.name]
-
-    return [case.name for case in sorted(cases, key=urgency)[:MOST_DRAWN]]
-
-
 def _undrawn(case: str) -> str:
     """Return the text for the section of a case that is not drawn, with the command that draws it."""
     return f"curves and animation, to keep this page small; bodycheck report FOLDER --case {case} --out OTHER draws them"
-
-
-def _largest(case: Shown) -> float:
-    """Return the largest error of a case in the quantity of its kind. NaN counts as infinite; without errors, return -inf."""
-    name = kind_of(case.case.scene).quantity
-    errors = [one.discrepancy.largest[name] for one in case.verdicts if one.discrepancy is not None]
-    return max((math.inf if math.isnan(error) else error for error in errors), default=-math.inf)

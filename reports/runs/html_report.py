@@ -9,6 +9,8 @@ from bodycheck.reports.charts import Spec, without_legend
 from bodycheck.reports.html import MADE, Link, json_text, page, verbatim
 from bodycheck.reports.lines import Line
 from bodycheck.reports.runs.charts import joint_curves
+from bodycheck.reports.runs.charts.legends import MOST_ENTRIES
+from bodycheck.reports.runs.charts.packing import packed
 from bodycheck.reports.runs.charts.time_charts import FRAMES, joints, momentum, over_time, readings
 from bodycheck.reports.runs.contents import Contents, Section
 
@@ -28,8 +30,9 @@ def render(contents: Contents) -> str:
         stills={section.name: Markup(section.still) for section in contents.sections},  # numbers alone
         sections={section.name: section for section in contents.sections},
         joint_titles=joint_curves.TITLES,
+        most_entries=MOST_ENTRIES,
         legends={section.name: _legend(section, contents.lines) for section in contents.sections},
-        datasets={section.name: json_text(section.curves.datasets) for section in contents.sections},
+        datasets={section.name: json_text(packed(section.curves.datasets)) for section in contents.sections},
         played={section.name: json_text(section.playback.data) for section in contents.sections if section.playback},
         player_style=verbatim(player.style(), "style"),
         player=verbatim(player.script(section.playback.data for section in contents.sections if section.playback), "script"),
@@ -41,6 +44,7 @@ def index(contents: Contents) -> list[Link]:
     failed = {failure.case for failure in contents.failures}
     first = (
         ("findings", "Answers", contents.answers or contents.broken),
+        ("motion", "Motion", contents.leading),
         ("failures", "Failed runs", contents.failures),
         ("matrix", "Scenes and motions", contents.matrices),
     )
@@ -71,9 +75,9 @@ def specifications(contents: Contents) -> dict[str, Spec]:
         for number, chart in enumerate(section.origins.charts, start=1)
     }
     steps = {
-        f"{section.name}-steps-{number}": chart.specification
+        f"{section.name}-steps-{number}": without_legend(chart.specification)
         for section in contents.sections
-        for number, chart in enumerate(section.steps, start=1)
+        for number, chart in enumerate(section.steps.charts, start=1)
     }
     moved = {kind for section in contents.sections for kind in section.curves.joints}
     coordinates = {f"joints_{kind}": joints(kind) for kind in sorted(moved)}
@@ -83,7 +87,13 @@ def specifications(contents: Contents) -> dict[str, Spec]:
     return trades | errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | coordinates | origins | steps
 
 
-def _legend(section: Section, lines: Sequence[Line]) -> str:
-    """Return the positions, among the lines of the report, of the methods that the charts of a case draw."""
+def _legend(section: Section, lines: Sequence[Line]) -> tuple[str, int]:
+    """Return the positions, among the lines of the report, of the methods that the charts of a case draw.
+
+    Those that are shown first come first. The number is how many they are.
+    """
     drawn = {row["method"] for row in section.curves.datasets["series"]}
-    return " ".join(str(position) for position, line in enumerate(lines) if line.label in drawn)
+    first = {line.label for line in section.first if line.label in drawn}
+    places = [place for place, line in enumerate(lines) if line.label in drawn]
+    places.sort(key=lambda place: lines[place].label not in first)
+    return " ".join(map(str, places)), len(first)

@@ -72,30 +72,24 @@ def _steps(failures: Sequence[Failure]) -> str:
 def _matrix(matrix: Matrix) -> str:
     title = f"{matrix.kind.title}: largest {matrix.quantity.title.lower()}, {matrix.quantity.unit}"
     amounts = f"{count(len(matrix.rows), 'case')}, {count(matrix.methods, 'method')}."
-    unless = ", unless another is given" if matrix.several_steps else ""
+    steps = any(row.timestep != matrix.timestep for row in matrix.rows) or matrix.several_steps
+    unless = ", unless another is given" if steps else ""
     same = " A method marked “= A” is the same algorithm as A." if any(own.same_as for own in matrix.columns) else ""
     size = f"{amounts} The time step is {milliseconds(matrix.timestep)}{unless}.{same}"
-    if matrix.by_method:
-        return "\n\n".join(filter(None, (f"### {title}", size, *_by_method(matrix))))
-    rows = [(row.case, *(_cell(cell, matrix.timestep) for cell in row.cells)) for row in matrix.rows]
-    head = ("Case", *(f"{column.engine} {_method(column)}" for column in matrix.columns))
-    return f"### {title}\n\n{size}\n\n{grid(head, rows, numeric_from=1)}"
-
-
-def _by_method(matrix: Matrix) -> Iterator[str]:
-    """Yield a table of the default and the best method of each engine, and a folded table of all other methods."""
-    head = ("Engine", "Integrator", *(row.case for row in matrix.rows))
-    shown: list[tuple[str, ...]] = []
-    folded: list[tuple[str, ...]] = []
-    for group in matrix.groups:
-        for row in group.rows:
-            cells = (_cell(cell, matrix.timestep) for cell in row.cells)
-            method = _method(row.column)
-            (folded if row.folded else shown).append((group.engine, method, *cells))
-    yield grid(head, shown, numeric_from=2)
+    folded = [place for place, column in enumerate(matrix.columns) if column.folded]
+    shown = [place for place in range(len(matrix.columns)) if place not in folded]
+    parts = [f"### {title}", size, _columns(matrix, shown)]
     if folded:
-        others = sum(group.folded for group in matrix.groups)
-        yield details(count(others, "more method"), grid(head, folded, numeric_from=2))
+        others = sum(engine.methods for engine in matrix.engines)
+        parts.append(details(count(others, "more method"), _columns(matrix, folded)))
+    return "\n\n".join(parts)
+
+
+def _columns(matrix: Matrix, places: Sequence[int]) -> str:
+    """Return a table with the columns of a matrix at these positions."""
+    head = ("Case", *(f"{matrix.columns[place].engine} {_method(matrix.columns[place])}" for place in places))
+    rows = [(row.case, *(_cell(row.cells[place], matrix.timestep) for place in places)) for row in matrix.rows]
+    return grid(head, rows, numeric_from=1)
 
 
 def _method(column: Column) -> str:

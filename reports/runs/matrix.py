@@ -1,6 +1,7 @@
 """Matrices of cases by methods: one for each kind of scene, with the quantity that shows discrepancies best.
 
-The rows are cases, or methods if there are more methods than cases.
+The rows are cases and the columns are methods, engine by engine. If there are more columns than a page has room for, each
+engine shows only its first and its best method, until the reader opens the others.
 """
 
 import math
@@ -17,6 +18,9 @@ from bodycheck.reports.runs.commands import curve_anchor
 from bodycheck.reports.runs.kinds import KINDS, Kind, kind_of
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, firsts
 from bodycheck.results.key import RunKey
+
+#: The most columns that fit beside the names of the cases in a window of 1280 pixels. If there are more, methods are folded.
+MOST_COLUMNS = 12
 
 
 @dataclass(frozen=True)
@@ -58,8 +62,7 @@ class Figure:
 class Cell:
     """The runs of one method on one case.
 
-    `common` is the run at the common time step of the matrix; `others` are the runs at other time steps, the largest step
-    first.
+    `common` is the run at the time step of the row; `others` are the runs at other time steps, the largest step first.
     """
 
     common: Figure | None
@@ -67,7 +70,7 @@ class Cell:
 
     @property
     def figures(self) -> tuple[Figure, ...]:
-        """Return all runs, first the run at the common time step."""
+        """Return all runs, first the run at the time step of the row."""
         return (*((self.common,) if self.common is not None else ()), *self.others)
 
 
@@ -77,7 +80,7 @@ class Column:
 
     `results` is the label of the set of results; it is empty if there is only one set. `demonstrates` says whether the method
     is a demonstration. `same_as` is the name of the first method with the same algorithm; it is empty for that method itself
-    and for methods whose algorithm no other method has.
+    and for methods whose algorithm no other method has. `folded` says whether the column is hidden until the reader opens it.
     """
 
     engine: str
@@ -86,44 +89,45 @@ class Column:
     colour: str
     demonstrates: bool
     same_as: str = ""
+    folded: bool = False
 
 
 @dataclass(frozen=True)
 class Row:
-    """One case. `words` is the text that the filter of the page searches. A cell is None if the method has no run of it."""
+    """One case.
+
+    `timestep` is the time step (s) of most runs, which is that of the matrix if there are any runs with it. `words` is the text
+    that the filter of the page searches. A cell is None if the method has no run of the case.
+    """
 
     case: str
     words: str
+    timestep: float
     cells: tuple[Cell | None, ...]
 
 
 @dataclass(frozen=True)
-class MethodRow:
-    """One method with a cell for each case. `folded` says whether the row is hidden until the reader opens it."""
+class EngineColumns:
+    """The adjacent columns of one engine.
 
-    column: Column
-    cells: tuple[Cell | None, ...]
-    folded: bool
-
-
-@dataclass(frozen=True)
-class EngineRows:
-    """The methods of one engine, with its name and colour."""
+    Parameters
+    ----------
+    engine, colour
+        Name and colour of the engine.
+    columns, shown
+        The number of all columns, and of those that are not folded.
+    methods
+        The number of methods whose columns are folded.
+    failed
+        The number of failed runs in folded columns.
+    """
 
     engine: str
     colour: str
-    rows: tuple[MethodRow, ...]
-
-    @property
-    def folded(self) -> int:
-        """Return the number of methods whose rows are folded."""
-        return len({row.column.integrator for row in self.rows if row.folded})
-
-    @property
-    def failed(self) -> int:
-        """Return the number of failed runs in folded rows."""
-        cells = [cell for row in self.rows if row.folded for cell in row.cells if cell is not None]
-        return sum(figure.failed for cell in cells for figure in cell.figures)
+    columns: int
+    shown: int
+    methods: int
+    failed: int
 
 
 @dataclass(frozen=True)
@@ -145,16 +149,20 @@ class Matrix:
         return self.kind.figure
 
     @property
-    def engines(self) -> tuple[tuple[str, int, str], ...]:
-        """Return the name, the number of columns and the colour of each engine. The columns of an engine are adjacent.
-
-        The colour is that of its first column in the last set that has runs with it.
-        """
-        amounts = Counter(column.engine for column in self.columns)
+    def engines(self) -> tuple[EngineColumns, ...]:
+        """Return the engines in the order of their columns, each with the colour of its first column in the last set."""
         colours: dict[str, str] = {}
         for column in sorted(self.columns, key=lambda column: -self.sets.index(column.results)):
             colours.setdefault(column.engine, column.colour)
-        return tuple((engine, amount, colours[engine]) for engine, amount in amounts.items())
+        found = []
+        for engine in dict.fromkeys(column.engine for column in self.columns):
+            own = [place for place, column in enumerate(self.columns) if column.engine == engine]
+            folded = [place for place in own if self.columns[place].folded]
+            cells = [cell for row in self.rows for place in folded if (cell := row.cells[place]) is not None]
+            failed = sum(figure.failed for cell in cells for figure in cell.figures)
+            methods = len({self.columns[place].integrator for place in folded})
+            found.append(EngineColumns(engine, colours[engine], len(own), len(own) - len(folded), methods, failed))
+        return tuple(found)
 
     @property
     def methods(self) -> int:
@@ -162,35 +170,20 @@ class Matrix:
         return len({(column.engine, column.integrator) for column in self.columns})
 
     @property
-    def by_method(self) -> bool:
-        """Return whether the rows are methods, because there are more methods than cases."""
-        return self.methods > len(self.rows)
-
-    @property
-    def groups(self) -> tuple[EngineRows, ...]:
-        """Return the methods as rows, engine by engine; all but the default and the best method of an engine are folded."""
-        found = []
-        for engine, _, colour in self.engines:
-            own = [
-                (column, tuple(row.cells[place] for row in self.rows))
-                for place, column in enumerate(self.columns)
-                if column.engine == engine
-            ]
-            shown = {own[0][0].integrator, best(own)}
-            rows = tuple(MethodRow(column, cells, column.integrator not in shown) for column, cells in own)
-            found.append(EngineRows(engine, colour, rows))
-        return tuple(found)
-
-    @property
     def several_steps(self) -> bool:
-        """Return whether any run has a time step other than the common one."""
+        """Return whether any run has a time step other than that of its row."""
         return any(cell.others for row in self.rows for cell in row.cells if cell is not None)
+
+    @property
+    def elsewhere(self) -> bool:
+        """Return whether any cell shows a run with a time step other than that of its row."""
+        return any(cell.common is None for row in self.rows for cell in row.cells if cell is not None)
 
 
 def best(methods: Sequence[tuple[Column, Sequence[Cell | None]]]) -> str:
     """Return the integrator, with its options, that completed the most cases and, among equals, has the smallest maximum error.
 
-    If a case was run with several time steps, the common time step counts. A demonstration is the best only if there are no
+    If a case was run with several time steps, that of its row counts. A demonstration is the best only if there are no
     other methods. methods: the methods of one engine with their cells, one for each case.
     """
     cells: dict[str, list[Cell | None]] = {}
@@ -251,25 +244,44 @@ def _matrix(
             named = (line.engine, line.integrator, line.results)
             column = Column(*named, line.colour, key in demonstrations, same.get(key.over_steps, ""))
             columns.setdefault(key.over_steps, column)
-    steps = Counter(verdict.run.method.timestep for verdict in verdicts)
-    common = max(steps, key=lambda step: (steps[step], step))
-    rows = tuple(
-        Row(
-            name,
-            " ".join((name, *case.tags)),
-            tuple(_cell(by_cell.get(replace(key, case=name), ()), common) for key in columns),
-        )
-        for name, case in cases.items()
-    )
+    common = _common(verdicts)
+    by_case: dict[str, list[Verdict]] = {name: [] for name in cases}
+    for verdict in verdicts:
+        by_case[verdict.run.case].append(verdict)
+    rows = []
+    for name, case in cases.items():
+        own = by_case[name]
+        step = common if not own or any(one.run.method.timestep == common for one in own) else _common(own)
+        cells = tuple(_cell(by_cell.get(replace(key, case=name), ()), step) for key in columns)
+        rows.append(Row(name, " ".join((name, *case.tags)), step, cells))
     sets = tuple(dict.fromkeys(line.results for line in lines.values()))
-    return Matrix(kind, common, tuple(columns.values()), rows, sets)
+    return Matrix(kind, common, _folded(tuple(columns.values()), rows), tuple(rows), sets)
 
 
-def _cell(figures: Sequence[Figure], common: float) -> Cell | None:
+def _common(verdicts: Sequence[Verdict]) -> float:
+    """Return the most frequent time step (s) of runs, the largest of equally frequent ones."""
+    steps = Counter(verdict.run.method.timestep for verdict in verdicts)
+    return max(steps, key=lambda step: (steps[step], step))
+
+
+def _folded(columns: tuple[Column, ...], rows: Sequence[Row]) -> tuple[Column, ...]:
+    """Return the columns, of which only the first and the best method of each engine are shown if there are too many."""
+    if len(columns) <= MOST_COLUMNS:
+        return columns
+    shown = set()
+    for engine in {column.engine for column in columns}:
+        own = [
+            (column, tuple(row.cells[place] for row in rows)) for place, column in enumerate(columns) if column.engine == engine
+        ]
+        shown |= {(engine, own[0][0].integrator), (engine, best(own))}
+    return tuple(replace(column, folded=(column.engine, column.integrator) not in shown) for column in columns)
+
+
+def _cell(figures: Sequence[Figure], step: float) -> Cell | None:
     if not figures:
         return None
-    others = sorted((figure for figure in figures if figure.timestep != common), key=lambda figure: -figure.timestep)
-    return Cell(next((figure for figure in figures if figure.timestep == common), None), tuple(others))
+    others = sorted((figure for figure in figures if figure.timestep != step), key=lambda figure: -figure.timestep)
+    return Cell(next((figure for figure in figures if figure.timestep == step), None), tuple(others))
 
 
 def _figure(verdict: Verdict, kind: Kind, link: str, run: str) -> Figure:

@@ -33,7 +33,7 @@ def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:
             complete = chart | {"datasets": section.curves.datasets}
             rows = 1 if name.startswith(("momentum", "joints", "readings")) else len(lines)
             yield f"{section.name}-{name}", standing_alone(complete, section.title, description + floor, rows)
-        for drawn in section.steps:
+        for drawn in section.steps.charts:
             description = f"{drawn.title} over the time step"
             yield f"{section.name}-{description}", standing_alone(drawn.specification, section.title, description, 1)
         for drawn in section.origins.charts if section.origins else ():

@@ -9,6 +9,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.margins import Margin
 from bodycheck.reports.quantities import QUANTITIES, TABLED, Quantity, milliseconds, number, within
 from bodycheck.reports.runs.commands import curve_anchor
+from bodycheck.reports.runs.kinds import KINDS
 from bodycheck.reports.runs.summary import expectation_status
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.results.key import RunKey
@@ -35,8 +36,9 @@ def run_table(
 ) -> Table:
     """Return the table of the runs of one case: a row for each run, with its figures.
 
-    Columns without information are left out: the status if all runs completed, the expectation if no run has expectations, and
-    empty columns of margins and reasons.
+    The error that shows the discrepancies of the kind of scene best comes first. Columns without information are left out: the
+    status if all runs completed, the expectation if no run has expectations, and empty columns of margins and reasons. Notes
+    give the versions of engines that have only one; the rows give those of others.
 
     Parameters
     ----------
@@ -50,7 +52,9 @@ def run_table(
         The purposes of methods that are demonstrations.
     """
     rows = [verdict.row() for verdict in verdicts]
-    quantities = [QUANTITIES[name] for name in TABLED if any(name in row for row in rows)]
+    first = next((kind.quantity for kind in KINDS if kind.name == verdicts[0].kind), None)
+    ordered = sorted(TABLED, key=lambda name: name != first)
+    quantities = [QUANTITIES[name] for name in ordered if any(name in row for row in rows)]
     keys = ("Engine", "Integrator", *_labelled(verdicts, "Set"), "Time step")
     labels = tuple(quantity.label for quantity in quantities)
     told = {
@@ -60,16 +64,18 @@ def run_table(
         "Reason": any(row["reason"] for row in rows),
     }
     before = _before_departure(rows)
-    every = (*keys, "Status", "Expectation", "Margin", *labels, *before.values(), COST, "Reason")
+    every = (*keys, *labels, *before.values(), COST, "Status", "Expectation", "Margin", "Reason")
     columns = tuple(name for name in every if told.get(name, True))
     bounded = any(quantity.within_truth(row) is not None for quantity in quantities for row in rows)
     notes = (
         *((WITHIN_TRUTH,) if bounded else ()),
         *((MARGINS,) if told["Margin"] else ()),
         *_demonstration_notes(verdicts, demonstrations),
+        *_version_notes(verdicts),
     )
+    versions = _versions(verdicts)
     cells = [
-        _entries(verdict, row, quantities, anchors[verdict.key], drawn)
+        _entries(verdict, row, quantities, drawn, len(versions[verdict.run.engine]) > 1)
         | {"Integrator": _integrator(verdict, anchors[verdict.key], demonstrations)}
         | {label: _number(row.get(name)) for name, label in before.items()}
         for verdict, row in zip(verdicts, rows, strict=True)
@@ -119,27 +125,45 @@ def _labelled(verdicts: Sequence[Verdict], text: str) -> tuple[str, ...]:
 
 
 def _entries(
-    verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity], anchor: str, drawn: Collection[str]
+    verdict: Verdict,
+    row: Mapping[str, Any],
+    quantities: Sequence[Quantity],
+    drawn: Collection[str],
+    several_versions: bool,
 ) -> dict[str, Entry]:
-    """Return the cells of a run by column. A figure links to its curve, or to the command (`anchor`) if it has no curve."""
+    """Return the cells of a run by column. A figure links to its curve, if it has one."""
     time_per_step = row.get("time_per_step")
-    leads = {name: curve_anchor(verdict.run.case, name) if name in drawn else anchor for name in (q.name for q in quantities)}
+    leads = {one.name: curve_anchor(verdict.run.case, one.name) if one.name in drawn else "" for one in quantities}
     return {
-        "Engine": Entry(row["engine"] if "@" in row["engine"] else f"{row['engine']} {row['version']}".rstrip()),
+        "Engine": Entry(f"{row['engine']}\u00a0{row['version']}" if several_versions else row["engine"]),
         "Set": Entry(verdict.label),
         "Time step": Entry(milliseconds(row["timestep"])),
         "Status": Entry(row["status"]),
         "Expectation": Entry(expectation_status(verdict)),
         "Margin": _margin(verdict.margins),
         **{quantity.label: _figure(row, quantity, leads[quantity.name]) for quantity in quantities},
-        COST: Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step, link=anchor),
+        COST: Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step),
         "Reason": Entry(row["reason"]),
     }
 
 
 def _integrator(verdict: Verdict, anchor: str, demonstrations: Mapping[RunKey, str]) -> Entry:
     marked = " (demonstration)" if verdict.key.over_cases in demonstrations else ""
-    return Entry(f"{verdict.run.method.name}{marked}", meaning="the command that makes this run", link=anchor)
+    return Entry(f"{verdict.run.method.name}{marked}", link=anchor)
+
+
+def _versions(verdicts: Sequence[Verdict]) -> dict[str, set[str]]:
+    """Return the versions of each engine; a name such as mujoco@3.1.0 has its version in itself."""
+    found: dict[str, set[str]] = {}
+    for verdict in verdicts:
+        engine, version = verdict.run.engine, verdict.run.version
+        found.setdefault(engine, set()).update({version} if version and "@" not in engine else ())
+    return found
+
+
+def _version_notes(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
+    only = [f"{engine} {version}" for engine, own in _versions(verdicts).items() if len(own) == 1 for version in own]
+    return (f"Versions: {', '.join(only)}.",) if only else ()
 
 
 def _demonstration_notes(verdicts: Sequence[Verdict], demonstrations: Mapping[RunKey, str]) -> tuple[str, ...]:

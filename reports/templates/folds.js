@@ -41,20 +41,31 @@
     index.querySelector("nav").append(line);
   }
 
-  // For an engine with many methods, all but its default and its best method are hidden until the reader opens them.
+  // Of an engine with many methods, all columns but those of its first and its best method are hidden until the reader opens them.
   for (const note of document.querySelectorAll("[data-folds]")) note.hidden = false;
-  for (const head of document.querySelectorAll("tr[data-more]")) {
-    const body = head.parentElement;
+  const foldable = (head, before) => {
+    const columns = head.colSpan;
+    const cellsOf = (row, place) => [...row.cells].slice(before + (place > 0), before + columns + (place > 0)); // after that of the case
     const button = document.createElement("button");
     const fold = (folded) => {
-      body.classList.toggle("folded", folded);
+      for (const cell of [...head.closest("table").rows].slice(1).flatMap(cellsOf)) cell.classList.toggle("opened", !folded);
+      show(folded);
+    };
+    const show = (folded) => {
+      head.colSpan = folded ? head.dataset.shown : columns;
       button.setAttribute("aria-expanded", String(!folded));
       button.textContent = folded ? head.dataset.more : "fewer methods";
     };
     button.type = "button";
-    button.addEventListener("click", () => fold(!body.classList.contains("folded")));
-    head.querySelector("span").append(" ", button);
-    fold(true);
+    button.addEventListener("click", () => fold(button.getAttribute("aria-expanded") === "true"));
+    head.append(" ", button);
+    show(true);
+  };
+  for (const table of document.querySelectorAll(".matrix")) {
+    const heads = [...table.rows[0].cells].slice(1);
+    const before = heads.map((_, place) => heads.slice(0, place).reduce((sum, other) => sum + other.colSpan, 0));
+    heads.forEach((head, place) => head.dataset.more && foldable(head, before[place]));
+    table.classList.add("folded");
   }
 
   // The index marks the section that the reader has reached.

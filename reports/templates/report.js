@@ -13,6 +13,32 @@
     logLevel: 1, // only errors, since a chart whose methods are all switched off causes warnings
   };
 
+  // Long arrays of datasets are stored by reports/runs/charts/packing.py as 16-bit integers.
+  const unpacked = (value) => {
+    if (typeof value?.codes !== "string") return value;
+    const { least, largest, log, codes } = value;
+    const bytes = Uint8Array.from(atob(codes), (character) => character.charCodeAt(0));
+    const levels = new DataView(bytes.buffer);
+    return Array.from({ length: bytes.length / 2 }, (_, k) => {
+      const level = levels.getUint16(2 * k, true);
+      const number = least + ((level - 1) / 65534) * (largest - least);
+      return level ? (log ? 10 ** number : number) : null;
+    });
+  };
+  const datasetsOf = (id) => {
+    const datasets = read(id);
+    for (const row of Object.values(datasets).flat()) for (const [key, value] of Object.entries(row)) row[key] = unpacked(value);
+    return datasets;
+  };
+
+  // The library is stored compressed, and is read when the page is idle or the first chart is drawn.
+  let loading = null;
+  const load = () => loading ??= (async () => {
+    const packed = Uint8Array.from(atob(document.getElementById("library").textContent), (character) => character.charCodeAt(0));
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+    new Function(await new Response(stream).text())();
+  })();
+
   // Charts are drawn one at a time when the page is idle, so that it responds in between.
   const idle = window.requestIdleCallback ?? ((callback) => setTimeout(callback, 20));
   const pause = () => new Promise((resolve) => idle(resolve, { timeout: 500 }));
@@ -33,10 +59,24 @@
     work();
   };
 
-  // The page has one choice of methods for all legends and charts.
-  const follow = (view) => {
+  // The page has one choice of methods for all legends and charts. A legend with many methods shows only the first at first, and
+  // so do its charts, until the reader wants all of them or follows a link to another.
+  const folded = new Map(); // the methods that each legend does not show
+  const legendOf = (box) => box.closest(".group")?.querySelector(".legend");
+  const foldedBy = (legend) => {
+    if (legend) fill(legend);
+    return folded.get(legend) ?? new Set();
+  };
+  const unfoldedBy = (legend) => {
+    const own = folded.get(legend);
+    legend.querySelectorAll("[data-method]").forEach((button) => { button.hidden = own.has(button.dataset.method); });
+    const more = legend.querySelector(".rest");
+    more.hidden = !own.size;
+    more.textContent = `${own.size} more method${own.size > 1 ? "s" : ""}`;
+  };
+  const follow = (view, box) => {
     if ("chosen" in view.getState().signals) view.signal("chosen", chosen);
-    return view.signal("hidden", [...hidden]).runAsync();
+    return view.signal("hidden", [...hidden, ...foldedBy(legendOf(box))]).runAsync();
   };
   const shown = (button) => button.setAttribute("aria-pressed", String(!hidden.has(button.dataset.method)));
   const choose = (change) => {
@@ -48,6 +88,7 @@
     const button = target.closest?.(".legend button");
     if (!button) return;
     const { method } = button.dataset;
+    if (button.matches(".rest")) return void choose(() => { folded.get(button.parentElement).clear(); unfoldedBy(button.parentElement); });
     if (method !== undefined) choose(() => hidden.delete(method) || hidden.add(method));
     else if (hidden.size) choose(() => hidden.clear());
     else choose(() => button.parentElement.querySelectorAll("[data-method]").forEach((own) => hidden.add(own.dataset.method)));
@@ -62,8 +103,11 @@
     const run = link?.closest("[data-run]")?.dataset.run;
     if (!run) return;
     const made = document.getElementById(run);
+    const legend = legendOf(document.getElementById(decodeURIComponent(link.hash.slice(1))));
+    const method = made.firstChild.data.replace(/: $/, "");
+    if (legend && foldedBy(legend).delete(method)) unfoldedBy(legend);
     const button = document.createElement("button");
-    choose(() => { chosen = made.dataset.method; hidden.delete(chosen); });
+    choose(() => { chosen = method; hidden.delete(chosen); });
     button.type = "button";
     button.textContent = "Show all alike";
     button.addEventListener("click", alike);
@@ -72,35 +116,42 @@
   });
 
   // A legend is filled when it comes near the window, like charts.
-  const swatches = document.getElementById("swatches"); // the swatches of all methods, or null if each legend has its own
+  const swatches = document.getElementById("swatches"); // the swatches of legends that name their methods by position
   const fill = (legend) => {
     if (legend.dataset.filled) return;
     legend.dataset.filled = "yes";
-    if (swatches) {
+    if (legend.dataset.lines) {
       const { firstElementChild: floor, children } = swatches.content;
       const places = legend.dataset.lines.split(" ").filter(Boolean);
       legend.append(...[floor, ...places.map((place) => children[1 + Number(place)])].map((own) => own.cloneNode(true)));
     }
     legend.querySelectorAll("[data-method]").forEach(shown);
-    const everything = document.createElement("button");
-    everything.type = "button";
-    everything.className = "all";
-    everything.textContent = "all / none";
-    legend.append(everything);
+    for (const [name, text] of [["rest", ""], ["all", "all / none"]]) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = name;
+      button.textContent = text;
+      button.hidden = !text;
+      legend.append(button);
+    }
+    const others = [...legend.querySelectorAll("[data-method]")].slice(Number(legend.dataset.first ?? Infinity));
+    folded.set(legend, new Set(others.map((button) => button.dataset.method)));
+    unfoldedBy(legend);
   };
 
   // A chart is drawn when it comes near the window, so that a page of many cases opens at once.
-  const draw = (box) => {
-    if (box.dataset.drawn) return Promise.resolve();
+  const draw = async (box) => {
+    if (box.dataset.drawn) return;
     box.dataset.drawn = "yes";
+    if (!window.vegaEmbed) await load();
     const specification = { ...specifications[box.dataset.chart], width: "container" };
-    if (box.dataset.data) specification.datasets = read(box.dataset.data);
+    if (box.dataset.data) specification.datasets = datasetsOf(box.dataset.data);
     const named = { ...options, downloadFileName: box.dataset.file };
-    return vegaEmbed(box, specification, named).then(
+    await vegaEmbed(box, specification, named).then(
       ({ view }) => {
         if (!("hidden" in view.getState().signals)) return undefined;
-        updates.add(() => follow(view));
-        return hidden.size || chosen ? follow(view) : undefined;
+        updates.add(() => follow(view, box));
+        return hidden.size || chosen || foldedBy(legendOf(box)).size ? follow(view, box) : undefined;
       },
       (error) => {
         box.textContent = `This chart cannot be drawn: ${error.message}`;
@@ -123,6 +174,7 @@
   const legends = document.querySelectorAll(".legend");
   [...legends, ...boxes].forEach((near) => observer.observe(near));
 
+  if (boxes.length) idle(load, { timeout: 2000 }); // also for a reader who prints the page before any chart was drawn
   window.addEventListener("beforeprint", () => {
     legends.forEach(fill);
     boxes.forEach(draw);

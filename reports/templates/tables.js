@@ -2,6 +2,7 @@
 // Sorting and filtering of tables.
 (() => {
   const LONG = 8; // the least number of rows of a table that gets a filter field
+  const [MOST, FEW] = [30, 10]; // the rows of which a table shows the first until the reader wants all, as in report.css
   const words = new Intl.Collator("en", { numeric: true });
   const textOf = (cell) => cell.textContent.trim();
   const isEmpty = (text) => text === "" || text === "–";
@@ -43,18 +44,19 @@
     head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
   };
 
-  // Returns the items that a field filters: rows, together with their rows in other pieces, and columns with search words.
+  // Returns the items that a field filters: rows, together with their rows in other pieces or with the picture of their case.
   const itemsOf = (scope) => {
     const others = scope.matches("table") ? piecesOf(scope).filter((table) => table !== scope) : [];
     const rows = [...scope.querySelectorAll(scope.matches("table") ? "tbody > tr" : "tbody > tr[data-words]")];
-    const columns = [...scope.querySelectorAll("thead th[data-words]")];
-    // The picture of a case follows its row or column.
-    const cards = [...scope.querySelectorAll("li[data-words]")];
-    const cardsOf = (one) => cards.filter((card) => card.dataset.words === one.dataset.words);
-    return [
-      ...rows.map((row) => [row, ...others.map((table) => beside.get(table).get(beside.get(row))), ...cardsOf(row)]),
-      ...columns.map((head) => [head, ...[...head.closest("table").rows].map((row) => row.cells[head.cellIndex]).filter(Boolean), ...cardsOf(head)]),
-    ];
+    const cards = new Map([...scope.querySelectorAll("li[data-case]")].map((card) => [card.dataset.case, card]));
+    const cardOf = (row) => [cards.get(row.dataset.case)].filter(Boolean);
+    return rows.map((row) => [row, ...others.map((table) => beside.get(table).get(beside.get(row))), ...cardOf(row)]);
+  };
+
+  // Shows all rows of a table of which only the first are shown.
+  const showAll = (table) => {
+    piecesOf(table).forEach((piece) => piece.classList.remove("shortened"));
+    document.querySelector(`.whole-table[data-table="${table.id}"]`)?.remove();
   };
 
   // Shows only the items that contain all words of the field.
@@ -70,6 +72,7 @@
       shown += !hidden;
     }
     for (const part of scope.querySelectorAll("[data-part]")) part.hidden = !part.querySelector("[data-words]:not([hidden])");
+    if (scope.matches(".shortened") && wanted.length) showAll(scope);
     field.nextElementSibling.textContent = wanted.length ? `${shown} of ${items.length}` : "";
   };
 
@@ -100,6 +103,17 @@
     if (table.tBodies[0].rows.length >= LONG && piecesOf(table)[0] === table) {
       table.id ||= `table-${place}`;
       searchable(table, "Filter rows", table.parentElement);
+    }
+    const rows = table.tBodies[0].rows.length;
+    if (rows > (table.closest(".few") ? FEW : MOST)) table.classList.add("shortened");
+    if (table.matches(".shortened") && piecesOf(table).at(-1) === table) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = "whole-table";
+      button.dataset.table = piecesOf(table)[0].id;
+      button.textContent = `Show all ${rows} rows`;
+      button.addEventListener("click", () => showAll(piecesOf(table)[0]));
+      table.parentElement.after(button);
     }
   }
   for (const scope of document.querySelectorAll("[data-search]")) {

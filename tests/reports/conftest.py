@@ -13,6 +13,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.judging import attribution, judgement
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.processes.failures import Crashed
+from bodycheck.reports.runs import matrix
 from bodycheck.running import plan
 from tests.support import campaigns
 from tests.support.browser import Visit, visiting
@@ -44,8 +45,10 @@ def sets(folder: Path) -> list[ResultSet]:
 
 @pytest.fixture(scope="session")
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The report of runs."""
-    folder = once(tmp_path_factory, "browsed", lambda folder: reports.write(sets(folder), folder))
+    """The report of runs, in which more methods than fit are folded, as if there were room for four."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(matrix, "MOST_COLUMNS", 4)
+        folder = once(tmp_path_factory, "browsed", lambda folder: reports.write(sets(folder), folder))
     return folder / "report.html"
 
 

@@ -28,14 +28,14 @@ def head(page: Any, table: str, column: str) -> Any:
 
 def test_a_table_sorts_by_its_numbers(visit: Visit) -> None:
     page, button = visit.page, head(visit.page, TABLE, "Attitude error")
-    before = [float(value) for value, _ in rows(page, TABLE, "Attitude error") if value]
+    before = [float(text) for _, text in rows(page, TABLE, "Attitude error") if text != "–"]
     assert before != sorted(before)
     for direction in ("ascending", "descending"):
         button.click()
         assert page.locator(TABLE).locator("[aria-sort]").count() == 1
         assert button.locator("..").get_attribute("aria-sort") == direction
         cells = rows(page, TABLE, "Attitude error")
-        assert [float(value) for value, _ in cells[:-1]] == sorted(before, reverse=direction == "descending")
+        assert [float(text) for _, text in cells[:-1]] == sorted(before, reverse=direction == "descending")
         assert cells[-1] == ["", "–"]  # of the run that crashed
 
 
@@ -106,19 +106,40 @@ def test_cases_of_the_matrix_are_filtered_by_name_and_tag(visit: Visit) -> None:
 
 def test_an_engine_shows_its_default_and_best_method_until_the_reader_wants_all(visit: Visit) -> None:
     page = visit.page
-    engine = page.locator("#matrix tbody", has=page.locator("tr.engine", has_text="mujoco")).first
-    rows = engine.locator("tr:not(.engine):visible")
+    table = page.locator("#matrix table:has(.more)").first
+    engine = table.locator("thead tr:first-child th", has_text="mujoco")
     button = engine.locator("button")
-    everything = engine.locator("tr:not(.engine)").count()
-    assert button.inner_text() == f"{everything - 2} more methods, 1 failed run"
-    assert (rows.count(), button.get_attribute("aria-expanded")) == (2, "false")
+    shown = """table => [...table.rows].slice(1).map(
+      (row) => [...row.querySelectorAll('thead th, td')].filter((cell) => cell.checkVisibility()).length)"""
+    everything = table.locator("thead tr + tr th").count()
+    few = table.evaluate(shown)
+    assert set(few) == {few[0]}
+    assert button.inner_text() == "3 more methods, 1 failed run"
+    assert (engine.get_attribute("colspan"), button.get_attribute("aria-expanded")) == ("2", "false")
     page.emulate_media(media="print")
-    assert (rows.count(), button.is_visible()) == (everything, False)
+    assert (set(table.evaluate(shown)), button.is_visible()) == ({everything}, False)
     page.emulate_media(media="screen")
     button.press("Enter")
-    assert (rows.count(), button.get_attribute("aria-expanded")) == (everything, "true")
+    assert (engine.get_attribute("colspan"), button.get_attribute("aria-expanded")) == ("5", "true")
+    assert table.evaluate(shown) == [few[0] + 3] * len(few)
     button.click()
-    assert rows.count() == 2
+    assert table.evaluate(shown) == few
+
+
+def test_columns_of_a_matrix_are_equally_wide_and_rows_have_one_line(browser: Any, report: Path) -> None:
+    """So no number is broken."""
+    for width in (1280, 390):
+        with visiting(browser, report, width=width, height=844) as visit:
+            cells = visit.page.locator("#matrix td:visible")
+            boxes = cells.evaluate_all(
+                "cells => cells.map((cell) => [cell.getBoundingClientRect().width, cell.scrollWidth <= cell.clientWidth])"
+            )
+            assert len({round(size) for size, _ in boxes}) == 1
+            assert all(fits for _, fits in boxes)
+            links = visit.page.locator("#matrix td:visible a").evaluate_all(
+                "links => links.map((link) => link.getClientRects()[0].height)"
+            )
+            assert max(links) - min(links) < 1
 
 
 def test_a_cell_leads_to_its_curve_and_its_command(visit: Visit) -> None:

@@ -40,7 +40,7 @@ def test_every_plot_of_the_report_is_there_by_a_name_that_says_what_it_is(folder
     names = [f"{section.name}-{name}" for section in contents.sections for name in section.curves.drawn]
     names += ["spin-momentum_body", "spin-momentum_inertial"]
     stepped = [
-        (section.name, chart.title.lower().replace(" ", "-")) for section in contents.sections for chart in section.steps
+        (section.name, chart.title.lower().replace(" ", "-")) for section in contents.sections for chart in section.steps.charts
     ]
     assert ("spin", "attitude-error") not in stepped, "a sphere that spins has the exact attitude"
     assert ("slide", "position-error") in stepped

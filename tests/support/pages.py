@@ -1,5 +1,6 @@
 """Pages as tests of reports read them, and what every page must keep."""
 
+import re
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from itertools import pairwise
@@ -9,9 +10,11 @@ HOSTILE = "<script>alert(1)</script> \"quoted\" 'single' \u202eשלום\u202c | 
 #: As hostile as the name of an integrator can be: it begins with a letter and can be printed.
 HOSTILE_NAME = "x" + "".join(letter for letter in HOSTILE if letter.isprintable())
 
+NUMBER = re.compile(r"-?[\d.]+(e-?\d+)?")
+
 
 class Page(HTMLParser):
-    """What a browser would see: attributes, texts outside scripts and styles, and table cells with their numbers."""
+    """What a browser would see: attributes, texts outside scripts and styles, and table cells with their numbers as shown."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -21,6 +24,7 @@ class Page(HTMLParser):
         self.rows: list[list[str]] = []
         self.values: list[list[float]] = []
         self.foreign = ""
+        self.measured = False
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
@@ -33,10 +37,12 @@ class Page(HTMLParser):
             self.values.append([])
         if tag in ("td", "th") and self.rows:
             self.rows[-1].append("")
-        if tag == "td" and (value := dict(attrs).get("data-value")) is not None and dict(attrs).get("class") == "number":
-            self.values[-1].append(float(value))  # as measured: a bound is shown calmly
+        if tag == "td":
+            self.measured = "class" not in dict(attrs)  # a bound is shown calmly, and words have a class of their own
 
     def handle_endtag(self, tag: str) -> None:
+        if tag == "td" and self.measured and NUMBER.fullmatch(self.rows[-1][-1]):
+            self.values[-1].append(float(self.rows[-1][-1]))
         if tag == self.foreign:
             self.foreign = ""
 

@@ -13,9 +13,10 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.observables import Observables, observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
+from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, listing, number
-from bodycheck.reports.runs.charts import joint_curves, sensor_curves
+from bodycheck.reports.runs.charts import coincidence, joint_curves, sensor_curves
 from bodycheck.reports.runs.charts.time_charts import FRAMES
 from bodycheck.reports.series import corners, ends, envelope, rounded
 from bodycheck.results.outcome import Completed
@@ -98,6 +99,7 @@ def draw(
     datasets: dict[str, list[dict[str, Any]]] = {"times": [], "series": [], "floor": [], "momentum": []}
     peaks: dict[str, dict[str, float]] = {}
     gaps: dict[str, list[str]] = {}
+    shapes: dict[tuple[str, str], dict[str, Array]] = {}
     for sampling, truth in truths.items():
         t = truth.trajectory.t
         datasets["times"].append({"timestep": sampling, "t": rounded(t[ends(len(t), points)], INSTANT_DIGITS)})
@@ -108,11 +110,15 @@ def draw(
         for name in PLOTTED:
             if (values := series.get(name)) is not None:
                 shown = np.where(values < SMALLEST, 0.0, values)
-                row[name] = rounded(envelope(shown, points))
+                shapes.setdefault((name, verdict.label), {})[label] = envelope(shown, points)
+                row[name] = rounded(shapes[name, verdict.label][label])
                 finite = np.isfinite(shown)
                 peaks.setdefault(name, {})[label] = float(shown[finite].max(initial=0.0))
                 gaps.setdefault(name, []).extend([label] if not finite.all() else [])
         datasets["series"].append(row)
+    alike = _alike(shapes)
+    for row in datasets["series"]:
+        row |= {f"{name}_band": width[row["method"]] for name, (width, _) in alike.items() if row["method"] in width}
     momentum = ""
     if truths:
         largest = max(truths.values(), key=lambda truth: float(np.nan_to_num(truth.bounds.error).max()))
@@ -121,7 +127,9 @@ def draw(
         if isinstance(scene, Scene) and (seen := observe(scene, largest.trajectory)).angular_momentum.any():
             datasets["momentum"] = [_momentum(largest, seen, instants)]
             momentum = _constancy(seen)
-    drawn = {name: _words(name, own, gaps[name]) for name, own in peaks.items() if any(own.values()) or gaps[name]}
+    drawn = {
+        name: _words(name, own, gaps[name], alike[name][1]) for name, own in peaks.items() if any(own.values()) or gaps[name]
+    }
     blank = tuple(name for name in peaks if name not in drawn)
     joints = {}
     if truths and isinstance(mechanism := truths[min(truths)].scene, Mechanism):
@@ -199,12 +207,28 @@ def _constancy(seen: Observables) -> str:
     )
 
 
-def _words(name: str, peaks: Mapping[str, float], gaps: Sequence[str]) -> Drawn:
-    """Return the description of a chart. peaks: the largest finite values by label. gaps: the labels with other values."""
+def _alike(shapes: Mapping[tuple[str, str], Mapping[str, Array]]) -> dict[str, tuple[dict[str, int], str]]:
+    """Return the bands of curves that coincide, and a sentence about them, by quantity.
+
+    shapes: the curves by quantity and label of the set of results; those of different sets are not compared, since each set has
+    lines of its own.
+    """
+    groups: dict[str, list[list[str]]] = {}
+    for (name, _), curves in shapes.items():
+        groups.setdefault(name, []).extend(coincidence.coinciding(curves))
+    return {name: (coincidence.bands(own), coincidence.told(own)) for name, own in groups.items()}
+
+
+def _words(name: str, peaks: Mapping[str, float], gaps: Sequence[str], alike: str) -> Drawn:
+    """Return the description of a chart.
+
+    peaks: the largest finite values by label. gaps: the labels with other values. alike: a sentence about curves that coincide.
+    """
     quantity = QUANTITIES[name]
     worst, best = max(peaks, key=lambda label: peaks[label]), min(peaks, key=lambda label: peaks[label])
     zero = [label for label, peak in peaks.items() if peak == 0 and label not in gaps]
     notes = [f"Not drawn, because the value is always zero: {listing(zero)}."] if zero else []
+    notes += [alike] if alike else []
     notes += [f"Left out where the value is not a finite number: {listing(gaps)}."] if gaps else []
     alt = (
         f"{quantity.title} over time on a log scale, for {count(len(peaks), 'method')}. "

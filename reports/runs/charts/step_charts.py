@@ -1,12 +1,18 @@
 """Charts of the largest error of runs over the time step, for cases that were run with several time steps."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from math import isfinite
 
+import numpy as np
+
 from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.trajectory import Array
 from bodycheck.reports.charts import Spec, framed, log_axis, method_scale
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing
+from bodycheck.reports.runs.charts import coincidence
+from bodycheck.reports.runs.charts.time_charts import BAND_OPACITY
 from bodycheck.reports.study import Chart
 from bodycheck.results.key import RunKey
 
@@ -20,15 +26,24 @@ SMALLEST = 1e-20
 SHORT_LABEL = 28
 
 
-def over_steps(verdicts: Sequence[Verdict]) -> tuple[Chart, ...]:
+@dataclass(frozen=True)
+class StepCharts:
+    """The charts of a case over the time step, and the lines that they draw."""
+
+    charts: tuple[Chart, ...]
+    lines: tuple[Line, ...]
+
+
+def over_steps(verdicts: Sequence[Verdict]) -> StepCharts:
     """Return a chart for each quantity in which any method has errors at two or more time steps. verdicts: on one case."""
     lines = assign(verdict.key.over_cases.over_steps for verdict in verdicts)
-    charts = []
+    charts, drawn = [], dict[Line, None]()
     for name in DRAWN:
         errors = {line: own for line, own in _errors(verdicts, lines, name).items() if len(own) > 1}
+        drawn |= dict.fromkeys(errors)
         if errors:
             charts.append(_chart(QUANTITIES[name], errors))
-    return tuple(charts)
+    return StepCharts(tuple(charts), tuple(drawn))
 
 
 def _errors(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line], name: str) -> dict[Line, dict[float, float]]:
@@ -43,6 +58,15 @@ def _errors(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line], name: str
     return found
 
 
+def _alike(errors: Mapping[Line, Mapping[float, float]]) -> list[list[str]]:
+    """Return the labels of methods of one set of results whose errors at the same time steps coincide, in groups."""
+    by_steps: dict[tuple[str, frozenset[float]], dict[str, Array]] = {}
+    for line, own in errors.items():
+        values = np.array([own[step] for step in sorted(own)])
+        by_steps.setdefault((line.results, frozenset(own)), {})[line.label] = values
+    return [group for curves in by_steps.values() for group in coincidence.coinciding(curves)]
+
+
 def _chart(quantity: Quantity, errors: Mapping[Line, Mapping[float, float]]) -> Chart:
     ends = [
         f"{line.label} from {quantity.with_unit(own[max(own)])} to {quantity.with_unit(own[min(own)])}"
@@ -52,14 +76,16 @@ def _chart(quantity: Quantity, errors: Mapping[Line, Mapping[float, float]]) -> 
         f"Largest {quantity.title.lower()} over the time step on log scales, for {count(len(errors), 'method')}. "
         f"From the largest time step to the smallest: {listing(ends)}."
     )
-    return Chart(quantity.title, _specification(quantity, errors), alt)
+    alike = _alike(errors)
+    sentence = coincidence.told(alike)
+    return Chart(quantity.title, _specification(quantity, errors, alike), alt, (sentence,) if sentence else ())
 
 
-def _specification(quantity: Quantity, errors: Mapping[Line, Mapping[float, float]]) -> Spec:
+def _specification(quantity: Quantity, errors: Mapping[Line, Mapping[float, float]], alike: Sequence[Sequence[str]]) -> Spec:
     """Return the chart. Both scales are logarithmic, so the curve of a method of order p has the slope p."""
-    lines = list(errors)
+    lines, bands = list(errors), coincidence.bands(alike)
     rows = [
-        {"method": line.label, "step": step * 1e3, "error": float(f"{error:.4g}")}
+        {"method": line.label, "step": step * 1e3, "error": float(f"{error:.4g}"), "band": bands.get(line.label, 0)}
         for line, own in errors.items()
         for step, error in sorted(own.items())
     ]
@@ -83,8 +109,14 @@ def _specification(quantity: Quantity, errors: Mapping[Line, Mapping[float, floa
     layers: list[Spec] = [
         {
             "data": {"values": rows},
+            "transform": [{"filter": "indexof(hidden, datum.method) < 0"}],
             "encoding": {"x": x, "y": y, "color": colour},
             "layer": [
+                {
+                    "transform": [{"filter": "datum.band > 0"}],
+                    "mark": {"type": "line", "aria": False, "opacity": BAND_OPACITY},
+                    "encoding": {"strokeWidth": {"field": "band", "type": "quantitative", "scale": None}},
+                },
                 {"mark": {"type": "line", "strokeWidth": 1.5, "aria": False}, "encoding": {"strokeDash": dash}},
                 {"mark": point, "encoding": {"tooltip": tooltip}},
             ],
@@ -94,4 +126,4 @@ def _specification(quantity: Quantity, errors: Mapping[Line, Mapping[float, floa
     # A legend in one row would be cut at the edge of the chart.
     columns = 2 if max(len(line.label) for line in lines) <= SHORT_LABEL else 1
     legend = made["config"]["legend"] | {"columns": columns}
-    return made | {"config": made["config"] | {"legend": legend}}
+    return made | {"config": made["config"] | {"legend": legend}, "params": [{"name": "hidden", "value": []}]}

@@ -3,7 +3,8 @@
 Each specification is stored once in a page and drawn with the datasets of every case, which `curves` makes:
 
 - `series`: one row for each method, with `method`, `timestep`, one array for each quantity, and `every`, the stride between
-  points with a tooltip.
+  points with a tooltip; for a curve that lies below one that looks the same, the width in pixels of a band around it, such as
+  `attitude_error_band`.
 - `times`: one row for each time step, with the array `t`.
 - `floor`: one row with the array `t` and one array for each quantity, empty where its floor is not drawn.
 - `joints`: one row for each curve of a joint; see `joint_curves`.
@@ -26,6 +27,8 @@ from bodycheck.reports.runs.charts import joint_curves
 FRAMES = {"body": ("I", "J", "K"), "inertial": ("x", "y", "z")}
 #: The opacity of the curves of all other methods if a method is highlighted.
 FADED = 0.2
+#: The opacity of the band around a curve that lies below one that looks the same.
+BAND_OPACITY = 0.35
 #: The width of the band of a stop, in pixels.
 BAND = 9
 #: The dash patterns of the three components: lengths on and off, in pixels.
@@ -57,6 +60,11 @@ def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
         ],
         "encoding": {"x": _time(), "y": y, "color": method_scale("color", lines)},
         "layer": [
+            {
+                "transform": [{"filter": f"datum['{quantity.name}_band'] > 0 && chosen === ''"}],
+                "mark": {"type": "line", "clip": True, "aria": False, "opacity": BAND_OPACITY},
+                "encoding": {"strokeWidth": {"field": f"{quantity.name}_band", "type": "quantitative", "scale": None}},
+            },
             {
                 "mark": {"type": "line", "clip": True, "aria": False},
                 "encoding": {
@@ -220,7 +228,7 @@ def _tooltip(field: str, reading: str, unit: str) -> Spec:
     suffix = f" + ' {unit}'" if unit else ""
     value = f"format({row}.value, '.4~g'){suffix}"
     return {
-        "value": {"expr": f"{{'{field}': {row}.{field}, 'time': format({row}.t, '.7~g') + ' s', '{reading.lower()}': {value}}}"}
+        "value": {"expr": f"{{'{field}': {row}.{field}, 'time': format({row}.t, '.4~g') + ' s', '{reading.lower()}': {value}}}"}
     }
 
 

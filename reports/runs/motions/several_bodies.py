@@ -1,8 +1,9 @@
 """The animation of bodies on joints, and of bodies that touch, as `templates/player/mechanism.js` shows them.
 
-A body with a shape is drawn as the shape. A body without a shape is drawn as sticks from its centre of mass to its own joint
-and to the joints and loops that it carries, with an arm from its joint if they do not show its angle, or as a point if it has
-none of these. While mechanics only gives inequalities, the bodies of the truth are not drawn.
+A body with a shape is drawn as the shape. A body without a shape is drawn as capsules, whose middle lines are its sticks: from
+its own joint to the joints and loops that it carries, or to its centre of mass if it carries none or is bent. It has an arm
+from its joint if they do not show its angle, and is a point if it has none of these. While mechanics only gives inequalities,
+the bodies of the truth are not drawn.
 """
 
 import math
@@ -38,6 +39,9 @@ FINER = 4
 
 #: The least extent (m) of pictures, for bodies without a size, such as a point at rest.
 SMALLEST = 1e-3
+
+#: The distance of the centre of mass from the line between two joints, relative to their distance, above which a body is bent.
+BENT = 0.3
 
 #: The number of lines of the grid on either side of the middle, and half the width of the grid in extents.
 GRID, WIDE = 6, 1.5
@@ -100,7 +104,7 @@ def described(scene: AnyScene, frame: Frame, end: float) -> dict[str, Any]:
     """Return the data of the bodies, the fixed points, the grid and the view for the player. end: the last instant (s)."""
     on_plane = {} if scene.plane is None else {"ground": _ground(scene.plane, frame), "known": frame.known}
     return {
-        "bodies": [_drawn(body, _points(scene, index), _arm(scene, index), frame) for index, body in enumerate(bodies(scene))],
+        "bodies": [_drawn(scene, index, body, frame) for index, body in enumerate(bodies(scene))],
         "driven": driven(scene, frame, end),
         "fixed": _fixed(scene, frame),
         "follows": _follows(scene),
@@ -170,17 +174,16 @@ def _known(trajectory: Trajectory) -> int:
     return len(known) if known.all() else int(np.argmin(known))
 
 
-def _drawn(body: AnyBody, joints: Sequence[Vector], arm: Sequence[Vector], frame: Frame) -> dict[str, Any]:
-    """Return a body as the player reads it, with lengths in units of the extent. joints, arm: see `_points` and `_arm`."""
-    points, ends = ([[component / frame.extent for component in point] for point in these] for these in (joints, arm))
+def _drawn(scene: AnyScene, index: int, body: AnyBody, frame: Frame) -> dict[str, Any]:
+    """Return a body as the player reads it, with lengths in units of the extent."""
+    points = [[component / frame.extent for component in point] for point in _points(scene, index)]
     parts: dict[str, Any] = {"joints": points, "sticks": []}
     if body.shape is not None:
         kind, semi_axes = solid_of(body.shape)
         lengths = [axis / frame.extent for axis in semi_axes]
         return parts | {"solid": {"kind": kind, "semi_axes": lengths, "turned": _turned(body)}}
-    middle = [0.0, 0.0, 0.0]
-    sticks = [*([point, middle] for point in points if any(point)), *([points[0], end] for end in ends)]
-    return parts | ({"sticks": sticks} if sticks else {"joints": [middle]})
+    sticks = [[[component / frame.extent for component in end] for end in stick] for stick in sticks_of(scene, index)]
+    return parts | ({"sticks": sticks} if sticks else {"joints": [[0.0, 0.0, 0.0]]})
 
 
 def _turned(body: AnyBody) -> tuple[float, ...]:
@@ -224,7 +227,17 @@ def _points(scene: AnyScene, index: int) -> list[Vector]:
 def sticks_of(scene: AnyScene, index: int) -> list[tuple[Vector, Vector]]:
     """Return the ends (m) of the sticks of a body without a shape, from its centre of mass along its axes."""
     points, middle = _points(scene, index), (0.0, 0.0, 0.0)
-    return [*((point, middle) for point in points if any(point)), *((points[0], end) for end in _arm(scene, index))]
+    carried = points[1:] if isinstance(scene, Mechanism) and scene.joint_of[index] is not None else []
+    links = [(points[0], point) for point in carried if point != points[0]]
+    if not links or any(_is_bent(*link) for link in links):
+        links = [(point, middle) for point in points if any(point)]
+    return [*links, *((points[0], end) for end in _arm(scene, index))]
+
+
+def _is_bent(start: Vector, end: Vector) -> bool:
+    """Return whether the centre of mass is far from the line between two joints, which then does not look like the body."""
+    along = np.subtract(end, start)
+    return float(np.linalg.norm(np.cross(start, along))) > BENT * float(along @ along)
 
 
 def _arm(scene: AnyScene, index: int) -> list[Vector]:

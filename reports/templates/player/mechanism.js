@@ -4,6 +4,8 @@
 
 // The distance, in extents, at which places differ visibly.
 const APART = 0.01;
+// The thickness of capsules, as a share of their length, and its limits in pixels.
+const [THICKNESS, THINNEST, THICKEST] = [0.22, 3.5, 12];
 
 const statesAt = (parts, t) => parts.map(({ turning, course }) => ({ ...turningAt(turning, t), place: placeAt(course, t) }));
 const partsOf = (entry) => entry.parts?.map(({ turning, course }) => ({ turning: readTurning(turning), course: readCourse(course) }));
@@ -15,7 +17,7 @@ const mechanismDifference = (states, exact) => ({
   shift: largestOf(states.map(({ place }, k) => length(minus(place, exact[k].place)))),
 });
 
-// The picture of a mechanism: solids, or sticks for bodies without a shape, the farthest first; joints; and the truth as a ghost.
+// The picture of a mechanism: solids, or capsules for bodies without a shape, the farthest first; joints; and the truth as a ghost.
 const mechanismPicture = (data) => {
   const picture = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", class: "drawing scene" });
   const [below, skin, over] = [0, 1, 2].map(() => picture.appendChild(svg("g", {})));
@@ -45,6 +47,14 @@ const mechanismPicture = (data) => {
   const sticksOf = (view, sticks, { attitude, place }) =>
     sticks.map((ends) => path(ends.map((p) => project(view, add(place, rotate(attitude, p)))))).join("");
 
+  // Seen from any side, a capsule looks like a broad line with round ends; it has a dark edge and a pale middle.
+  const capsulesOf = (view, sticks, state, colour) => {
+    const d = sticksOf(view, sticks, state);
+    const width = Math.min(THICKEST, Math.max(THINNEST, THICKNESS * view.scale * largestOf(sticks.map(([a, b]) => length(minus(a, b))))));
+    const strokes = [[shaded(colour, 0.1, 0), width], [colour, width - 1.6], [shaded(colour, 0.8, 1), 0.22 * width]];
+    return sticks.length ? strokes.map(([stroke, size]) => ({ d, class: "stick", stroke, fill: "none", "stroke-width": size.toFixed(1) })) : [];
+  };
+
   const edgesOf = (view, k, { attitude, place }) => {
     const there = (v) => add(place, rotate(attitude, v));
     const seen = ({ points, normal }) => !normal || isSeen(view, there(points[0]), rotate(attitude, normal));
@@ -57,7 +67,7 @@ const mechanismPicture = (data) => {
     const order = states.map((_, k) => k).sort((a, b) => dot(states[a].place, view.toward) - dot(states[b].place, view.toward));
     const drawn = order.flatMap((k) => [
       ...(solids[k] ? facesOf(view, solids[k], states[k], colour) : []),
-      { d: sticksOf(view, data.bodies[k].sticks, states[k]), class: "stick", stroke: colour, fill: "none" },
+      ...capsulesOf(view, data.bodies[k].sticks, states[k], colour),
     ]);
     drawn.forEach((attributes, k) => assign((paths[k] ??= addPath(skin, "")), attributes));
     for (let k = drawn.length; k < paths.length; k++) paths[k].setAttribute("d", "");
@@ -79,7 +89,7 @@ const mechanismLegend = ({ within, bodies, driven, follows, known, end }) => {
   const legend = html("p", { class: "note key" });
   const explain = (kind, d, words) =>
     legend.append(html("span", {}, svg("svg", { viewBox: "0 0 26 12", class: "drawing sign", "aria-hidden": "true" }, svg("path", { class: kind, d })), html("span", {}, words)));
-  if (bodies.some(({ sticks }) => sticks.length)) explain("stick sample", "M2 9 13 3 24 9", "body without a shape: from its joint to its centre of mass and to the next joints");
+  if (bodies.some(({ sticks }) => sticks.length)) explain("stick sample", "M2 9 13 3 24 9", "body without a shape, along its links");
   if (bodies.some(({ joints }) => joints.length)) explain("pin", "M13 6h0", "joint");
   explain("ghost", "M3 2H23V10H3Z", "bodies of the truth");
   if (driven.some(({ target }) => target)) explain("target", "M2 9 13 3 24 9", "bodies at the targets of their joints");
@@ -94,7 +104,7 @@ const buildMechanism = (figure, data) => {
   const truth = { label: "the truth", colour: TRUTH, parts: partsOf(data.truth) };
   // A run without its own parts moves as the truth does.
   const runs = data.runs.map((run) => ({ ...run, isAlike: !run.parts, parts: partsOf(run) ?? truth.parts }));
-  const shown = data.shown.map((k) => runs[k]);
+  const shown = shownIn(figure, data).map((k) => runs[k]);
   const all = () => [truth, ...shown];
   const speeds = [truth, ...runs].flatMap(({ parts }) => parts.flatMap(({ turning }) => turning.spans.map(({ start, h }) => length(start) / h)));
   const fastest = largestOf(speeds);
@@ -103,17 +113,20 @@ const buildMechanism = (figure, data) => {
   const controls = controlsOf(data.end, fastest);
   const status = html("p", { class: "unseen", role: "status" });
   const stage = html("div", { class: "stage" }, ...panels.map(({ element }) => element));
-  figure.prepend(stage, controls.element, mechanismLegend(data), status);
 
   const isKnown = (t) => t <= (data.known ?? data.end);
-  const differenceAt = (t) => {
-    if (!isKnown(t)) return 0;
-    const exact = statesAt(truth.parts, t);
-    return largestOf(shown.filter(({ isAlike }) => !isAlike).map(({ parts }) => {
+  const errorsOf = (t) => {
+    const exact = isKnown(t) ? statesAt(truth.parts, t) : null;
+    return shown.map(({ isAlike, parts }) => {
+      if (!exact || isAlike) return { angle: 0, shift: 0 };
       const { angle, shift } = mechanismDifference(statesAt(parts, t), exact);
-      return angle + shift;
-    }));
+      return { angle, shift: shift * data.extent };
+    });
   };
+  const trace = traceOf(data.end, errorsOf, indistinct(data.within), (t) => shownNow.move(t));
+  figure.prepend(stage, trace.element, controls.element, mechanismLegend(data), status);
+
+  const differenceAt = (t) => largestOf(errorsOf(t).map(({ angle, shift }) => angle + shift / data.extent));
   const instants = Array.from({ length: 101 }, (_, k) => (data.end * k) / 100);
   const worst = instants.reduce((best, t) => (differenceAt(t) > differenceAt(best) + 1e-6 ? t : best), 0);
   let view = null;
@@ -127,6 +140,7 @@ const buildMechanism = (figure, data) => {
     return `off by ${turned} rad\nand ${shifted} m`;
   };
   const paint = (now) => {
+    trace.at(now);
     const exact = statesAt(truth.parts, now);
     all().forEach((body, k) => {
       panels[k].picture.dataset.time = now;
@@ -153,6 +167,7 @@ const buildMechanism = (figure, data) => {
       panels[k].swatch.style.background = colour;
       panels[k].picture.dataset.body = label;
     });
+    trace.choose(shown);
     shownNow.again();
   };
   const shownNow = staged({

@@ -35,12 +35,15 @@ const trailOf = (body, now, trail, tip) =>
     .map((t) => rotate(turningAt(body.turning, t).attitude, tip));
 const pastOf = (body, now) => Array.from({ length: 41 }, (_, i) => placeAt(body.course, (now * i) / 40));
 
+// The positions of the runs that are shown first: those that the page names, or those of the data.
+const shownIn = (figure, data) => figure.dataset.shown?.split(" ").map(Number) ?? data.shown;
+
 const build = (figure, data) => {
   if (data.bodies) return void buildMechanism(figure, data);
   const motion = motionOf(data);
   const { truth, runs, stateOf, fastest } = motion;
   const solid = solidOf(data.body);
-  const shown = data.shown.map((k) => runs[k]);
+  const shown = shownIn(figure, data).map((k) => runs[k]);
   const bodies = () => [truth, ...shown];
   const tip = times(solid.exit(AXES[2]).at + AXIS, AXES[2]);
   const trail = data.plane || !fastest ? 0 : Math.min(data.end, TRAIL / fastest); // s
@@ -53,7 +56,16 @@ const build = (figure, data) => {
   const warning = html("p", { class: "note", hidden: "" });
   const stage = html("div", { class: "stage" }, ...panels.map(({ element }) => element));
   if (polhode) stage.append(polhodePanel(polhode));
-  figure.prepend(stage, controls.element, warning, legendOf(data, trail, polhode, squares), status);
+  const errorsOf = (t) => {
+    const exact = stateOf(truth, t);
+    return shown.map((run) => {
+      const { attitude, place } = stateOf(run, t);
+      const shift = length(data.plane ? minus(place, exact.place) : place) * data.body.reach;
+      return { angle: run.turnsAlike ? 0 : angleBetween(attitude, exact.attitude), shift };
+    });
+  };
+  const trace = traceOf(data.end, errorsOf, indistinct(data.within), (t) => shownNow.move(t));
+  figure.prepend(stage, trace.element, controls.element, warning, legendOf(data, trail, polhode, squares), status);
 
   // The common part of all pictures, and the frame in which they show the plane.
   let [common, frame] = [null, null];
@@ -81,6 +93,7 @@ const build = (figure, data) => {
       words.textContent = difference.words;
       Object.assign(picture.dataset, { time: now, view: JSON.stringify(view) });
     });
+    trace.at(now);
     polhode?.draw(states.map(({ momentumInBody }) => momentumInBody));
   };
   const choose = () => {
@@ -89,6 +102,7 @@ const build = (figure, data) => {
       panels[k].picture.dataset.body = label;
     });
     polhode?.choose(bodies());
+    trace.choose(shown);
     shownNow.again();
   };
   const warn = () => {

@@ -5,7 +5,7 @@
 // figure, panels, controls: the parts of the player. end: the last instant of the motion (s). now, azimuth, elevation: the initial
 // time (s) and direction of view (rad). lowest: the least elevation (rad). look: prepares the pictures for a direction of view.
 // paint: draws the pictures at a time. describe: describes the pictures. changeSpeed: is called when the reader changes the speed.
-// Returns the function `again`, which prepares and draws the pictures again.
+// Returns the function `again`, which prepares and draws the pictures again, and `move`, which changes the shown time.
 const staged = ({ figure, panels, controls, end, lowest, look, paint, describe, changeSpeed, ...first }) => {
   let { now, azimuth, elevation } = first;
   let pending = 0;
@@ -53,5 +53,5 @@ const staged = ({ figure, panels, controls, end, lowest, look, paint, describe, 
     }),
   );
   new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || player.stop()).observe(figure);
-  return { again };
+  return { again, move };
 };

@@ -125,7 +125,7 @@ def test_the_default_is_compared_with_a_better_method_of_its_engine() -> None:
         timed(ran(SLIDE, integrator="a", position_error=9.0), 1.0, "default"),
     ]
     lines = assign(verdict.key.over_cases for verdict in runs)
-    first, second = defaults(tried(shown(runs), lines, ()))
+    first, second = (default.finding for default in defaults(tried(shown(runs), lines, ())))
     assert facts(first.text, "mujoco", "pinocchio", FLIP, SLIDE)[:3] == ["mujoco", "2", "2"]
     assert "The default of mujoco, a at 2 ms, is off by 2 rad" in first.text
     assert "b at 2 ms is off by 1e-8 rad at 4 times the cost" in first.text

@@ -15,7 +15,7 @@ from bodycheck.reports.runs import markdown_report
 from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.kinds import KINDS, kind_of
-from bodycheck.reports.runs.matrix import decade
+from bodycheck.reports.runs.matrix import Matrix, decade
 from bodycheck.reports.runs.summary import broken, expectation_status, headline, tally
 from bodycheck.results.outcome import Diverged
 from tests.support.cases import OF_ONE_BODY
@@ -128,8 +128,13 @@ def test_findings_leave_out_what_is_within_the_truths_own_error() -> None:
 
 def test_an_engine_spans_its_columns_in_its_colour() -> None:
     (matrix,) = matrices_of(ran(FLIP, "pinocchio", "x"), ran(FLIP, integrator="a"), ran(FLIP, integrator="b"))
-    assert [(engine, amount) for engine, amount, _ in matrix.engines] == [("pinocchio", 1), ("mujoco", 2)]
-    assert {engine: colour for engine, _, colour in matrix.engines} == {"pinocchio": "#d55e00", "mujoco": "#0072b2"}
+    assert [(own.engine, own.columns) for own in matrix.engines] == [("pinocchio", 1), ("mujoco", 2)]
+    assert {own.engine: own.colour for own in matrix.engines} == {"pinocchio": "#d55e00", "mujoco": "#0072b2"}
+
+
+def told(matrix: Matrix) -> list[tuple[str, int, str]]:
+    """Each engine with the number of its columns and its colour."""
+    return [(own.engine, own.columns, own.colour) for own in matrix.engines]
 
 
 def test_an_engine_has_the_colour_of_its_last_set_of_results() -> None:
@@ -140,9 +145,9 @@ def test_an_engine_has_the_colour_of_its_last_set_of_results() -> None:
     ]
     (matrix,) = matrices_of(*runs)
     first, last = paled("#009e73", 1), "#d55e00"
-    assert matrix.engines == (("drake", 1, first), ("mujoco", 2, "#0072b2"), ("pinocchio", 1, last))
+    assert told(matrix) == [("drake", 1, first), ("mujoco", 2, "#0072b2"), ("pinocchio", 1, last)]
     (alone,) = matrices_of(ran(FLIP, "drake", "x", label="first"), ran(FLIGHT, label="last"))[:1]
-    assert alone.engines == (("drake", 1, first),)
+    assert told(alone) == [("drake", 1, first)]
 
 
 @pytest.mark.parametrize(

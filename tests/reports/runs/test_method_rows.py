@@ -1,4 +1,4 @@
-"""Many engines and methods in one report: methods as rows, of which an engine shows its first and its best."""
+"""Many engines and methods in one report: more columns than fit, of which an engine shows its first and its best."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.schemes.classes import MethodClass
 from bodycheck.reports import notices
 from bodycheck.reports.notices import Asked
-from bodycheck.reports.runs import markdown_report
+from bodycheck.reports.runs import markdown_report, matrix
 from bodycheck.reports.runs.unsupported import not_supported, with_place
 from bodycheck.results.key import RunKey
 from tests.support.measured_runs import DRAG, FLIP, SLIDE, ended, matrices_of, ran, refused
@@ -23,11 +23,19 @@ NAMES = (
 BRICK = "free-brick"
 
 
+@pytest.fixture
+def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Room for no column, so that a few methods are too many."""
+    monkeypatch.setattr(matrix, "MOST_COLUMNS", 0)
+
+
 def folded(*verdicts: Verdict, **options: Any) -> dict[str, list[str]]:
     """The folded methods of each engine in the only matrix."""
-    (matrix,) = matrices_of(*verdicts, **options)
-    assert matrix.by_method
-    return {group.engine: [row.column.integrator for row in group.rows if row.folded] for group in matrix.groups}
+    (found,) = matrices_of(*verdicts, **options)
+    names = {column.engine: list[str]() for column in found.columns}
+    for column in found.columns:
+        names[column.engine] += [column.integrator] if column.folded else []
+    return names
 
 
 def errors(engine: str, **sizes: float) -> list[Verdict]:
@@ -35,23 +43,32 @@ def errors(engine: str, **sizes: float) -> list[Verdict]:
     return [ran(FLIP, engine, name, attitude_error=size) for name, size in sizes.items()]
 
 
-def test_rows_are_methods_where_these_are_more_than_cases() -> None:
-    two = errors("mujoco", a=1e-3, b=1e-4)
-    (wide,) = matrices_of(*two)
-    (square,) = matrices_of(*two, ran(BRICK, integrator="a"))
-    assert (wide.by_method, square.by_method) == (True, False)
-    (group,) = wide.groups
-    assert [(row.column.integrator, [cell and cell.figures[0].text for cell in row.cells]) for row in group.rows] == [
-        ("a", ["0.001"]),
-        ("b", ["0.0001"]),
-    ]
+def test_columns_are_methods_and_are_folded_only_where_they_do_not_fit() -> None:
+    """Whatever the number of cases is."""
+    few = errors("mujoco", **{f"m{place}": 1e-3 for place in range(matrix.MOST_COLUMNS)})
+    assert folded(*few) == {"mujoco": []}
+    many = [*few, *errors("drake", a=1e-3)]
+    assert folded(*many) == {"mujoco": [f"m{place}" for place in range(1, matrix.MOST_COLUMNS)], "drake": []}
+    (found,) = matrices_of(*many)
+    assert [(engine.columns, engine.shown, engine.methods) for engine in found.engines] == [(12, 1, 11), (1, 1, 0)]
+    assert [len(row.cells) for row in found.rows] == [13]
 
 
+def test_a_row_has_the_step_of_most_of_its_runs_unless_the_matrix_has_one_for_it() -> None:
+    slow = [ran(BRICK, integrator=name, timestep=0.01) for name in "ab"]
+    (found,) = matrices_of(*(ran(FLIP, integrator=name) for name in "abc"), *slow, ran(BRICK, integrator="c", timestep=0.005))
+    assert {row.case: row.timestep for row in found.rows} == {FLIP: 0.002, BRICK: 0.01}
+    assert [bool(cell and cell.common) for cell in found.rows[1].cells] == [True, True, False]
+    assert found.elsewhere
+
+
+@pytest.mark.usefixtures("narrow")
 def test_an_engine_shows_its_first_method_and_its_best() -> None:
     found = folded(*errors("mujoco", a=1e-2, b=1e-3, c=1e-5, d=1e-4), *errors("drake", e=1e-6, f=1e-3), *errors("dart", g=1.0))
     assert found == {"mujoco": ["b", "d"], "drake": ["f"], "dart": []}
 
 
+@pytest.mark.usefixtures("narrow")
 def test_the_best_method_completes_the_most_cases_and_is_judged_by_its_worst() -> None:
     """Not c, which has no run of the brick, nor d, which is best in one case and bad in the other."""
     even = [
@@ -64,31 +81,34 @@ def test_the_best_method_completes_the_most_cases_and_is_judged_by_its_worst() -
     assert folded(*runs) == {"mujoco": ["e", "c", "d"]}
 
 
+@pytest.mark.usefixtures("narrow")
 def test_a_demonstration_is_not_the_best_of_its_engine() -> None:
     runs = errors("mujoco", a=1e-2, b=1e-6, c=1e-4)
     assert folded(*runs, demonstrations=[runs[1].key.over_cases]) == {"mujoco": ["b"]}
 
 
-def test_failed_runs_in_folded_rows_are_counted() -> None:
+@pytest.mark.usefixtures("narrow")
+def test_failed_runs_in_folded_columns_are_counted() -> None:
     runs = errors("mujoco", a=1e-2, b=1e-6, c=1e-4, d=1e-3)
-    (matrix,) = matrices_of(*runs[:2], ended(runs[2], False, "no"), runs[3])
-    assert [(group.folded, group.failed) for group in matrix.groups] == [(2, 1)]
+    (found,) = matrices_of(*runs[:2], ended(runs[2], False, "no"), runs[3])
+    assert [(engine.methods, engine.failed) for engine in found.engines] == [(2, 1)]
 
 
+@pytest.mark.usefixtures("narrow")
 def test_markdown_folds_them_too() -> None:
-    (matrix,) = matrices_of(*errors("mujoco", a=1e-2, b=1e-3, c=1e-5))
-    text, _, rest = markdown_report._matrix(matrix).partition("<details><summary>1 more method</summary>")
-    assert "| mujoco | a | 0.01 |" in text
-    assert "| mujoco | c | 1e-5 |" in text
-    assert "| mujoco | b | 0.001 |" in rest
+    (found,) = matrices_of(*errors("mujoco", a=1e-2, b=1e-3, c=1e-5))
+    text, _, rest = markdown_report._matrix(found).partition("<details><summary>1 more method</summary>")
+    assert "| Case | mujoco a | mujoco c |" in text
+    assert f"| {FLIP} | 0.01 | 1e-5 |" in text
+    assert f"| {FLIP} | 0.001 |" in rest
 
 
 def test_a_method_is_marked_that_is_the_same_algorithm_as_one_before() -> None:
     same = MethodClass((RunKey.of_method("mujoco", "a"), RunKey.of_method("drake", "c")), 1e-15)
     runs = [*errors("mujoco", a=1e-2, b=1e-3), *errors("drake", c=1e-2)]
-    (matrix,) = matrices_of(*runs, classes={"flight": (same,), "plane": (MethodClass(same.methods[::-1], 0.0),)})
-    assert [column.same_as for column in matrix.columns] == ["", "", "mujoco a"]
-    assert "| drake | c (= mujoco a) | 0.01 |" in markdown_report._matrix(matrix)
+    (found,) = matrices_of(*runs, classes={"flight": (same,), "plane": (MethodClass(same.methods[::-1], 0.0),)})
+    assert [column.same_as for column in found.columns] == ["", "", "mujoco a"]
+    assert "| drake c (= mujoco a) |" in markdown_report._matrix(found)
 
 
 def test_what_engines_do_not_model_is_told_in_one_line() -> None:

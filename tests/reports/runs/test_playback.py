@@ -332,7 +332,7 @@ def test_without_a_truth_there_is_no_playback(flips: Played) -> None:
 
 def test_the_player_is_small() -> None:
     """What it adds to a page, in bytes."""
-    assert len(player.script().encode()) + len(player.style().encode()) < 40_000
+    assert len(player.script().encode()) + len(player.style().encode()) < 44_000
     assert len(player.script([{"bodies": []}]).encode()) - len(player.script([None, {"body": {}}]).encode()) < 12_000
 
 

@@ -6,7 +6,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
-from bodycheck import reports
+from bodycheck import load, reports
 from bodycheck.adapters.contract import Method
 from bodycheck.figures.bounds import within_truth
 from bodycheck.figures.columns import FIGURES
@@ -17,6 +17,7 @@ from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reports.quantities import QUANTITIES, bound, number
 from bodycheck.reports.runs import html_report, markdown_report
 from bodycheck.reports.runs.contents import Contents, gather
+from bodycheck.reports.runs.kinds import kind_of
 from bodycheck.reports.runs.run_table import WITHIN_TRUTH
 from bodycheck.reports.runs.summary import headline
 from bodycheck.reports.tables import pieces
@@ -52,17 +53,19 @@ def test_tables_have_the_measured_numbers(page: str, verdicts: list[Verdict]) ->
     seen = Page(page)
     for verdict in verdicts:
         row = verdict.row()
+        first = kind_of(load(verdict.run.case).scene).quantity
         names = ["position_error", "velocity_error", "attitude_error", "energy_drift", "rotational_energy_drift"]
-        figures = [row[name] for name in (*names, "angular_momentum_drift") if within_truth(FIGURES[name], row) is None]
-        expected = [*figures, 1e6 * row["time_per_step"]]
+        names = sorted((*names, "angular_momentum_drift"), key=lambda name: name != first)
+        figures = [row[name] for name in names if within_truth(FIGURES[name], row) is None]
+        expected = [*(float(number(figure)) for figure in figures), float(number(1e6 * row["time_per_step"], 3))]
         place = next(i for i, values in enumerate(seen.values) if values == expected)
         shown = row["integrator"] + (" (demonstration)" if row["integrator"] == "body-twist-euler" else "")
-        assert seen.rows[place][:3] == [f"{row['engine']} {row['version']}", shown, "2 ms"]
-        assert number(row["position_error"]) in seen.rows[place]
+        assert seen.rows[place][:3] == [row["engine"], shown, "2 ms"]
+        assert f"{row['engine']} {row['version']}" in page
 
 
 def test_a_figure_leads_to_its_curve_and_to_the_command_that_makes_it(page: str, contents: Contents) -> None:
-    """Each figure of each row, in the page too; where a quantity is not drawn the command alone remains."""
+    """Each figure of each row, in the page too; where a quantity is not drawn only the method leads to the command."""
     ids = set(re.findall(r' id="([^"]+)"', page))
     titles = {QUANTITIES[name].label: name for name in QUANTITIES}
     for section in contents.sections:
@@ -80,9 +83,9 @@ def test_a_figure_leads_to_its_curve_and_to_the_command_that_makes_it(page: str,
                 if column in titles and entry.value is not None:
                     name = titles[column]
                     curve = name in section.curves.drawn
-                    assert entry.link == (f"curve-{section.name}-{name}" if curve else run)
-                    assert entry.link in ids
-    links = re.findall(r'<td class="number[^"]*"[^>]*data-value[^>]*><a href="#', page.partition("<tfoot>")[0])
+                    assert entry.link == (f"curve-{section.name}-{name}" if curve else "")
+                    assert not curve or entry.link in ids
+    links = re.findall(r'<td><a href="#curve-', page.partition("<tfoot>")[0])
     assert len(links) > 4
 
 
@@ -286,8 +289,8 @@ def test_markdown_leaves_out_what_does_not_fit(contents: Contents) -> None:
     text = markdown_report.render(many)
     assert len(text) < 65_536
     left_out = int(re.findall(r"(\d+) tables were left out", text)[0])
-    # One for each section, what to do about the failure, and the other methods of each matrix.
-    assert text.count("<details>") + left_out == 120 + 1 + len(contents.matrices)
+    # One for each section, and what to do about the failure; all methods fit in the matrices.
+    assert text.count("<details>") + left_out == 120 + 1
 
 
 def test_tables_have_the_margin_to_the_limits_and_the_truths_own_errors(contents: Contents, verdicts: list[Verdict]) -> None:

@@ -34,7 +34,7 @@ def test_every_error_with_a_meaning_is_drawn_at_its_step() -> None:
     verdicts = [ran("Euler", step, error) for step, error in euler.items()]
     verdicts += [ran("RK4", 0.004, 1e-9), ran("RK4", 0.002, OWN / 2), ran("RK4", 0.001, OWN / 2)]
     verdicts += [ran("implicit", 0.004, np.inf), ran("implicit", 0.002, 1e-3), diverged("implicit", 0.001)]
-    (chart,) = over_steps(verdicts)
+    (chart,) = over_steps(verdicts).charts
     assert "for 1 method" in chart.alt
     assert facts(chart.alt, "mujoco Euler")[-3:] == ["mujoco Euler", "0.04", "0.01"]
     (layer,) = chart.specification["layer"]
@@ -48,4 +48,4 @@ def test_every_error_with_a_meaning_is_drawn_at_its_step() -> None:
 
 
 def test_one_time_step_has_no_chart() -> None:
-    assert over_steps([ran("Euler", 0.002, 2e-2), ran("RK4", 0.002, 1e-6)]) == ()
+    assert over_steps([ran("Euler", 0.002, 2e-2), ran("RK4", 0.002, 1e-6)]).charts == ()
