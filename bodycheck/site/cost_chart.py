@@ -16,7 +16,7 @@ from bodycheck.reports.runs.choices import ENOUGH
 from bodycheck.site.costs import Costs, Priced, Standing
 
 #: The margins of the plot inside a picture: left, below, above and at the right (pixels).
-LEFT, BELOW, ABOVE, RIGHT = 58, 46, 14, 12
+LEFT, BELOW, ABOVE, RIGHT = 70, 46, 14, 12
 
 #: The width of a letter and the height of a line of text (pixels).
 LETTER, LINE = 7.2, 15
@@ -26,6 +26,9 @@ AROUND = tuple((side, drop) for drop in (0, 14, -14, 28, -28, 42, -42, 56, -56) 
 
 #: The smallest error that the picture tells from none.
 LEAST = 1e-15
+
+#: The classes and the sizes (pixels) of the pictures for broad and for narrow screens, of which a page shows one.
+SIZES = (("broad", 640, 430), ("narrow", 362, 430))
 
 #: The radius of a mark (pixels).
 MARK = 5.0
@@ -69,7 +72,14 @@ def chart(costs: Costs, width: int, height: int) -> Markup:
         x, y = plane.at(cheapest)
         parts.append(f'<circle class="chosen" cx="{x:.1f}" cy="{y:.1f}" r="{2 * MARK:g}"/>')
         parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{MARK:g}" fill="{hue(cheapest.run.engine)[0]}"/>')
+        name = escape(f"{cheapest.run.engine} {cheapest.run.method[0]}")
+        parts.append(f'<text class="name" x="{x - 2 * MARK:.1f}" y="{y + 2 * MARK + LINE:.1f}">{name}</text>')
     return Markup("".join([*parts, *_names(plane, costs.standings), "</svg>"]))
+
+
+def pictures(costs: Costs) -> tuple[tuple[str, Markup], ...]:
+    """Return the picture of a scene for broad and for narrow screens, each with its class of style."""
+    return tuple((name, chart(costs, width, height)) for name, width, height in SIZES)
 
 
 def _plane(costs: Costs, width: int, height: int) -> Plane:

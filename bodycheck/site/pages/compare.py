@@ -24,7 +24,7 @@ MOST_RESULTS = 64
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
     """Yield the page, and the differences between the results of each engine."""
-    yield page(links.COMPARE, "compare.html.jinja", catalogue=catalogue, rule=changes.RULE)
+    yield page(links.COMPARE, "compare.html.jinja", catalogue, rule=changes.RULE)
     compared: dict[str, list[Results]] = {engine: [] for engine in catalogue.engines}
     for source in catalogue.submissions:
         of_source = defaultdict(list)

@@ -50,7 +50,9 @@ def _list(catalogue: Catalogue) -> File:
         verdicts = Counter[Verdict](cell(catalogue, engine, scene).verdict for engine in catalogue.engines)
         rows.append((scene, verdicts))
     kinds = [(kind, [row for row in rows if row[0].kind is kind]) for kind in KINDS]
-    return page(links.SCENES, "scenes.html.jinja", kinds=[(kind, own) for kind, own in kinds if own], amount=len(rows))
+    return page(
+        links.SCENES, "scenes.html.jinja", catalogue, kinds=[(kind, own) for kind, own in kinds if own], amount=len(rows)
+    )
 
 
 def _page(catalogue: Catalogue, scene: Scene, found: Sequence[Found]) -> File:
@@ -60,6 +62,7 @@ def _page(catalogue: Catalogue, scene: Scene, found: Sequence[Found]) -> File:
     return page(
         links.scene(scene.name),
         "scene.html.jinja",
+        catalogue,
         scene=scene,
         effects=needs(scene.case.scene).names(),
         freedom=needs(scene.case.scene).degrees_of_freedom,
