@@ -122,16 +122,13 @@ def contact(catalogue: Catalogue) -> Sentence | None:
         Piece(f" in {count(len(sheets), 'engine')}, at defaults and with the best settings"),
     ]
     for place, row in enumerate(worst[:MOST_NAMED]):
-        start = (
-            ". Positions are off by at most " if not place else " and " if place == min(len(worst), MOST_NAMED) - 1 else ", "
-        )
-        scene = row.row["scene"]
-        where = Piece(scene, links.scene(scene) if scene in catalogue.scenes else "")
+        joint = " and " if place == min(len(worst), MOST_NAMED) - 1 else ", "
+        scene, setting = row.row["scene"], "defaults" if _usual(row) else f"{row.row['setting']} settings"
         pieces += [
-            Piece(start),
+            Piece(joint if place else ". Positions are off by at most "),
             Piece(f"{number(row.row['value'], 2)} m", links.row(row)),
-            Piece(f" with {row.engine}, in "),
-            where,
+            Piece(f" with {row.engine}’s {setting}, in "),
+            Piece(scene, links.scene(scene) if scene in catalogue.scenes else ""),
         ]
     return (*pieces, Piece("."))
 

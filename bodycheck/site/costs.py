@@ -117,7 +117,7 @@ def of_scene(catalogue: Catalogue, scene: Scene) -> Costs | None:
 
 
 def standing(catalogue: Catalogue, engine: str, scene: Scene) -> Standing | None:
-    """Return how accurate an engine is at which cost in a scene; None if the cost of the method that represents it is unknown."""
+    """Return how accurate an engine is at which cost in a scene; None if the cost of its own method is not known."""
     cell = cells.cell(catalogue, engine, scene)
     if cell.run is None:
         return None

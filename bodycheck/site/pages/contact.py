@@ -50,7 +50,7 @@ class Cell:
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """What the contacts of an engine do with some settings that have the same method, and the measured properties."""
+    """What the contacts of an engine do with some settings of which the same is to be said, and the properties of the first."""
 
     engine: str
     version: str
@@ -107,14 +107,13 @@ def _reasons(lines: Sequence[tuple[str, Sequence[Cell]]]) -> list[tuple[str, lis
 
 
 def _laws(catalogue: Catalogue, engine: str) -> Iterator[Law]:
-    """Yield what the contacts of an engine do, once for settings with the same methods."""
-    alike: dict[tuple[tuple[str, float], ...], list[Setting]] = {}
+    """Yield what the contacts of an engine do, once for settings of which the same is to be said."""
+    alike: dict[str, list[Setting]] = {}
     found = properties(catalogue, engine)
     for setting, rows in found.items():
-        alike.setdefault(tuple(dict.fromkeys((row.integrator, row.timestep) for row, _ in rows)), []).append(setting)
-    for settings in alike.values():
+        alike.setdefault(law([row for row, _ in rows]), []).append(setting)
+    for sentence, settings in alike.items():
         rows = found[settings[0]]
-        sentence = law([row for row, _ in rows])
         by_key = {(row.property, row.condition): entry for row, entry in rows}
         yield Law(
             engine,
