@@ -7,7 +7,7 @@ from bodycheck.reports.quantities import count, listing, milliseconds, number
 from bodycheck.reports.runs.choices import ENOUGH
 from bodycheck.site import links
 from bodycheck.site.catalogue import Catalogue, Entry
-from bodycheck.site.costs import Costs, Priced
+from bodycheck.site.costs.standings import Costs, Priced
 from bodycheck.site.engine_facts import newest
 from bodycheck.site.front import News
 from bodycheck.site.telling import Piece, Sentence

@@ -18,7 +18,7 @@ LIST = "site.json"
 MOST_BYTES = 1 << 24
 
 #: Styles and scripts.
-ASSETS = ("site.css", "site.js", "index.js", "compare.js", "row.js", "sorting.js", "scene.js")
+ASSETS = ("site.css", "site.js", "index.js", "compare.js", "row.js", "sorting.js", "scene.js", "scenes.js")
 
 #: The modules that make pages from a catalogue.
 PAGES = (index, scenes, contact, robots, compare, data, engines, releases, feed, badges)

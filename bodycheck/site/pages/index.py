@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from bodycheck.site import links
 from bodycheck.site.answers import answers
 from bodycheck.site.catalogue import Catalogue
-from bodycheck.site.cost_chart import pictures
-from bodycheck.site.costs import shown
+from bodycheck.site.costs.chart import pictures
+from bodycheck.site.costs.standings import shown
 from bodycheck.site.front import Front, Line
 from bodycheck.site.front import Shown as ShownCell
 from bodycheck.site.render import File, page

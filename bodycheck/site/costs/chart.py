@@ -13,7 +13,7 @@ from markupsafe import Markup, escape
 from bodycheck.reports.lines import hue
 from bodycheck.reports.quantities import number
 from bodycheck.reports.runs.choices import ENOUGH
-from bodycheck.site.costs import Costs, Priced, Standing
+from bodycheck.site.costs.standings import Costs, Priced, Standing
 
 #: The margins of the plot inside a picture: left, below, above and at the right (pixels).
 LEFT, BELOW, ABOVE, RIGHT = 70, 46, 14, 12
