@@ -8,7 +8,7 @@ from bodycheck.errors import BadInput
 from bodycheck.files import reading, writing
 from bodycheck.reports.html import colours
 from bodycheck.site.catalogue import Catalogue
-from bodycheck.site.pages import badges, compare, data, engines, feed, index, releases, robots, scenes
+from bodycheck.site.pages import badges, compare, contact, data, engines, feed, index, releases, robots, scenes
 from bodycheck.site.render import File, asset
 
 #: The file that lists the files that bodycheck has written into the folder of a site.
@@ -18,10 +18,10 @@ LIST = "site.json"
 MOST_BYTES = 1 << 24
 
 #: Styles and scripts.
-ASSETS = ("site.css", "site.js", "index.js", "compare.js", "row.js", "sorting.js", "scene.js")
+ASSETS = ("site.css", "site.js", "index.js", "compare.js", "row.js", "sorting.js", "scene.js", "scenes.js")
 
 #: The modules that make pages from a catalogue.
-PAGES = (index, scenes, robots, compare, data, engines, releases, feed, badges)
+PAGES = (index, scenes, contact, robots, compare, data, engines, releases, feed, badges)
 
 
 def files(catalogue: Catalogue) -> Iterator[File]:

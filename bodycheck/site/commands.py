@@ -79,6 +79,10 @@ def _contact(row: Row) -> list[str]:
     return ["run", _case(row["scene"]), "--engine", engine(row), *_method(row)]
 
 
+def _contact_study(row: Row) -> list[str]:
+    return ["contact", engine(row)]
+
+
 def _parity(row: Row) -> list[str]:
     model = str(row["model"])
     named = f"./{model}" if model.startswith("-") else model  # a file name from a submission must not be read as an option
@@ -115,6 +119,8 @@ MAKERS: dict[str, Callable[[Row], list[str]]] = {
     "releases.csv": _releases,
     "changes.csv": _releases,
     "contact.csv": _contact,
+    "contact_settings.csv": _contact_study,
+    "contact_properties.csv": _contact_study,
     "parity.csv": _parity,
     "audit.csv": _audit,
     "ensemble.csv": _ensemble,

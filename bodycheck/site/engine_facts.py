@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, get_args
 
 from bodycheck.adapters.engine_name import adapter_of
+from bodycheck.results.tables import Table
 from bodycheck.site import known
 from bodycheck.site.catalogue import Catalogue, Entry, version_key
 from bodycheck.site.cells import verdict
@@ -13,7 +14,7 @@ from bodycheck.site.known import Evidence, Issue
 from bodycheck.site.releases import Release
 from bodycheck.site.submissions.submission import Submission
 from bodycheck.studies.audit.rows import FINDINGS
-from bodycheck.studies.contact.rows import SHEET, ContactRow, Line, Setting, lines
+from bodycheck.studies.contact.rows import MEASURED, SHEET, ContactRow, Line, PropertyRow, Setting, lines
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,9 +111,24 @@ def contact_settings(sheet: Sequence[ContactFacts]) -> tuple[Setting, ...]:
 
 def _contact_row(entry: Entry) -> ContactRow:
     """Return a row of contact.csv as a `ContactRow`, with the name of the engine without its version."""
-    numbers = ("timestep", "value", "truth", "truth_error")
-    values: dict[str, Any] = {name: entry.get(name) if name in numbers else entry.get(name) or "" for name in SHEET.by_name}
-    return ContactRow(**values | {"engine": entry.engine})
+    return ContactRow(**_values(entry, SHEET))
+
+
+def properties(catalogue: Catalogue, engine: str) -> Mapping[Setting, tuple[tuple[PropertyRow, Entry], ...]]:
+    """Return the properties of the contacts of an engine by setting, each as a row of the study and with its entry."""
+    found: dict[Setting, list[tuple[PropertyRow, Entry]]] = {}
+    for entry in newest(catalogue, "contact_properties.csv", engine):
+        row = PropertyRow(**_values(entry, MEASURED))
+        found.setdefault(row.setting, []).append((row, entry))
+    return {setting: tuple(found[setting]) for setting in get_args(Setting) if setting in found}
+
+
+def _values(entry: Entry, table: Table[Any]) -> dict[str, Any]:
+    """Return the values of a row by column, with "" for empty texts, and the name of the engine without its version."""
+    texts = {column.name for column in table.columns if column.kind == "string"}
+    return {name: entry.get(name) or "" if name in texts else entry.get(name) for name in table.by_name} | {
+        "engine": entry.engine
+    }
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,29 +4,30 @@ import re
 from hashlib import sha256
 from urllib.parse import quote
 
-from bodycheck.site.catalogue import Entry
+from bodycheck.site.catalogue import Catalogue, Entry
 from bodycheck.site.submissions.submission import Submission
 
 INDEX, COMPARE, ERRORS, ROW, FEED = "index.html", "compare.html", "errors.html", "row.html", "feed.atom"
-SCENES, ROBOTS = "scenes/index.html", "robots/index.html"
+SCENES, ROBOTS, CONTACT = "scenes/index.html", "robots/index.html", "contact.html"
 
 #: The folder of data.
 DATA = "data/"
-
-#: The pages to which the head of every page links, with their titles.
-MAIN = (
-    (INDEX, "Results"),
-    (SCENES, "Scenes"),
-    (ROBOTS, "Robots"),
-    (COMPARE, "Compare"),
-    (ERRORS, "Left out"),
-)
 
 #: The most characters of the file name of a page, without its extension.
 LONGEST = 80
 
 #: Names that no file can have on Windows, with any extension.
 DEVICE = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:$|\.)")
+
+
+def main(catalogue: Catalogue) -> tuple[tuple[str, str], ...]:
+    """Return the addresses of the pages to which the head of every page links, with their titles.
+
+    The page of contact is among them if there is a contact sheet, and the page of what is left out if anything is.
+    """
+    contact = ((CONTACT, "Contact"),) if any(catalogue.entries("contact.csv")) else ()
+    left_out = ((ERRORS, "Left out"),) if catalogue.left_out else ()
+    return (INDEX, "Results"), (SCENES, "Scenes"), *contact, (ROBOTS, "Robots"), (COMPARE, "Compare"), *left_out
 
 
 def engine(name: str) -> str:

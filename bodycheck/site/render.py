@@ -11,11 +11,16 @@ import jinja2
 
 from bodycheck.reports.html import environment, json_text
 from bodycheck.reports.quantities import QUANTITIES, bound, milliseconds, number, within
+from bodycheck.reports.runs.choices import SAME_COST
 from bodycheck.results.verdicts import SCENES
 from bodycheck.site import links
+from bodycheck.site.catalogue import Catalogue
 
 #: The titles of figures for readers, by column.
 TITLES = {name: quantity.title for name, quantity in QUANTITIES.items()}
+
+#: The most engines that the matrix has room for at 1280 pixels. With more, it scrolls in a region of its own.
+MOST_COLUMNS = 16
 
 #: The version of the format of the data.
 FORMAT = 1
@@ -37,7 +42,7 @@ class File:
     content: bytes
 
 
-def page(path: str, template: str, **values: Any) -> File:
+def page(path: str, template: str, catalogue: Catalogue, **values: Any) -> File:
     """Return a page of the site.
 
     Parameters
@@ -45,14 +50,18 @@ def page(path: str, template: str, **values: Any) -> File:
     path
         The path of the page inside the site.
     template
-        The name of the template in the folder `templates`. A template can use `root` (the relative address of the site's
-        root), `path`, the functions of `links`, the `verdicts`, the `words` for verdicts on scenes, the `titles` of figures,
-        and functions that format numbers.
+        The name of the template in the folder `templates`.
+    catalogue
+        The catalogue of the site, from which the head of the page knows the other pages. A template can use it, `root` (the
+        relative address of the site's root), `path`, the functions of `links`, the `verdicts`, the `words` for verdicts on
+        scenes, the `titles` of figures, and functions that format numbers.
     values
         Further variables of the template.
     """
     root = "../" * path.count("/")
-    return File(path, _environment().get_template(template).render(root=root, path=path, **values).encode())
+    return File(
+        path, _environment().get_template(template).render(root=root, path=path, catalogue=catalogue, **values).encode()
+    )
 
 
 def asset(name: str) -> File:
@@ -90,5 +99,6 @@ def script_file(path: str, name: str, value: Mapping[str, Any]) -> File:
 def _environment() -> jinja2.Environment:
     pages = environment("bodycheck.site")
     pages.globals |= {"links": links, "words": SCENES, "titles": TITLES}
+    pages.globals |= {"same_cost": SAME_COST, "most_columns": MOST_COLUMNS}
     pages.globals |= {"number": number, "bound": bound, "within": within, "milliseconds": milliseconds}
     return pages

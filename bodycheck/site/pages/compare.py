@@ -24,7 +24,6 @@ MOST_RESULTS = 64
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
     """Yield the page, and the differences between the results of each engine."""
-    yield page(links.COMPARE, "compare.html.jinja", catalogue=catalogue, rule=changes.RULE)
     compared: dict[str, list[Results]] = {engine: [] for engine in catalogue.engines}
     for source in catalogue.submissions:
         of_source = defaultdict(list)
@@ -32,8 +31,25 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
             of_source[results.engine].append(results)
         for engine, every in of_source.items():
             compared[engine] += every[:MOST_RESULTS]
-    for engine, every in compared.items():
-        yield from data_files(links.changes(engine), f'site.differences["{engine}"]', differences(catalogue, engine, every))
+    found = [differences(catalogue, engine, every) for engine, every in compared.items()]
+    yield page(links.COMPARE, "compare.html.jinja", catalogue, rule=changes.RULE, opening=opening(found))
+    for one in found:
+        yield from data_files(links.changes(one["engine"]), f'site.differences["{one["engine"]}"]', one)
+
+
+def opening(found: Sequence[Mapping[str, Any]]) -> str:
+    """Return the engine that the page shows first: one with the most differing runs in a pair of results; "" if there is none.
+
+    found: the differences of each engine.
+    """
+    most = {one["engine"]: max(map(_amount, one["pairs"]), default=0) for one in found}
+    best = max(most, key=lambda engine: most[engine], default="")
+    return best if most.get(best) else ""
+
+
+def _amount(pair: Mapping[str, Any]) -> int:
+    """Return the number of runs that differ between two results."""
+    return sum(map(len, pair["differences"].values()))
 
 
 def differences(catalogue: Catalogue, engine: str, compared: Sequence[Results]) -> dict[str, Any]:

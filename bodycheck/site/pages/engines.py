@@ -68,7 +68,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
         yield page(
             links.engine(engine),
             "engine.html.jinja",
-            catalogue=catalogue,
+            catalogue,
             engine=engine,
             releases=known,
             upgrades=found,

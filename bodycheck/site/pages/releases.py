@@ -19,7 +19,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
             yield page(
                 links.release(engine, release.version),
                 "release.html.jinja",
-                catalogue=catalogue,
+                catalogue,
                 release=release,
                 upgrade=upgrade,
                 before=known[place - 1] if place else None,

@@ -15,11 +15,12 @@ from bodycheck.studies.parity.wording import SAYS, name_of
 def pages(catalogue: Catalogue) -> Iterator[File]:
     """Yield the pages of all robots, and the page with the table of all robots."""
     read = {model: robot_tables.readings(entries) for model, entries in catalogue.robots.items()}
-    yield _list({model: (newest, len(faults)) for model, (newest, _, faults) in read.items()})
+    yield _list(catalogue, {model: (newest, len(faults)) for model, (newest, _, faults) in read.items()})
     for model, (newest, older, faults) in read.items():
         yield page(
             links.robot(model),
             "robot.html.jinja",
+            catalogue,
             model=model,
             newest=newest,
             older=older,
@@ -34,7 +35,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
         )
 
 
-def _list(read: Mapping[str, tuple[Sequence[Reading], int]]) -> File:
+def _list(catalogue: Catalogue, read: Mapping[str, tuple[Sequence[Reading], int]]) -> File:
     """Return the page with all robots. read: the newest readings of each robot, and the number of faults in its file."""
     engines = sorted({one.engine for own, _ in read.values() for one in own})
     rows = []
@@ -43,7 +44,7 @@ def _list(read: Mapping[str, tuple[Sequence[Reading], int]]) -> File:
         for one in own:
             by_engine.setdefault(one.engine, []).append(one)
         rows.append((model, by_engine, faults))
-    return page(links.ROBOTS, "robots.html.jinja", engines=engines, rows=rows)
+    return page(links.ROBOTS, "robots.html.jinja", catalogue, engines=engines, rows=rows)
 
 
 def _commands(model: str, entries: Sequence[Entry]) -> list[str]:

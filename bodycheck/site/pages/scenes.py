@@ -1,6 +1,5 @@
 """The page of each scene, with its physics, its truth, the results of all engines and the motions; and the list of scenes."""
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from bodycheck.casefile.finding import SUFFIX as CASE_END
@@ -9,10 +8,11 @@ from bodycheck.reference.requirements import needs
 from bodycheck.reports import player
 from bodycheck.reports.html import json_text
 from bodycheck.reports.runs.kinds import KINDS
-from bodycheck.results.verdicts import Verdict
-from bodycheck.site import links, scene_motion, scene_runs, scene_tables
+from bodycheck.site import links, scene_cards, scene_motion, scene_runs, scene_tables
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
-from bodycheck.site.cells import cell, verdict
+from bodycheck.site.cells import verdict
+from bodycheck.site.costs import standings
+from bodycheck.site.costs.chart import pictures
 from bodycheck.site.render import File, page
 from bodycheck.site.scene_motion import Found
 from bodycheck.site.scene_runs import Line
@@ -44,22 +44,23 @@ def case_file(name: str) -> str:
 
 
 def _list(catalogue: Catalogue) -> File:
-    """Return the page that lists scenes by kind, with the number of engines for each verdict."""
-    rows = []
-    for scene in catalogue.scenes.values():
-        verdicts = Counter[Verdict](cell(catalogue, engine, scene).verdict for engine in catalogue.engines)
-        rows.append((scene, verdicts))
-    kinds = [(kind, [row for row in rows if row[0].kind is kind]) for kind in KINDS]
-    return page(links.SCENES, "scenes.html.jinja", kinds=[(kind, own) for kind, own in kinds if own], amount=len(rows))
+    """Return the page with a card for each scene, by kind."""
+    cards = [scene_cards.card(catalogue, scene) for scene in catalogue.scenes.values()]
+    kinds = [(kind, [one for one in cards if one.scene.kind is kind]) for kind in KINDS]
+    return page(
+        links.SCENES, "scenes.html.jinja", catalogue, kinds=[(kind, own) for kind, own in kinds if own], amount=len(cards)
+    )
 
 
 def _page(catalogue: Catalogue, scene: Scene, found: Sequence[Found]) -> File:
     lines, without = scene_runs.newest(catalogue, scene)
     drawn = _newest(catalogue, "ensemble.csv", scene)
     newest_first = list(reversed(catalogue.submissions))
+    costs = standings.of_scene(catalogue, scene)
     return page(
         links.scene(scene.name),
         "scene.html.jinja",
+        catalogue,
         scene=scene,
         effects=needs(scene.case.scene).names(),
         freedom=needs(scene.case.scene).degrees_of_freedom,
@@ -68,6 +69,8 @@ def _page(catalogue: Catalogue, scene: Scene, found: Sequence[Found]) -> File:
         bounds=scene_tables.bounds(scene.runs),
         file=f"{links.slug(scene.name)}{CASE_END}",
         lines=lines,
+        costs=costs,
+        pictures=pictures(costs) if costs is not None else (),
         drifts=any(run.get("energy_drift") is not None for run in scene.runs),
         without=without,
         older=scene_runs.older(catalogue, scene),

@@ -34,7 +34,10 @@ MEASURED = (*FIGURES, *(column.name for column in (*COST_COLUMNS, *WORK_COLUMNS)
 LIMITED = tuple(figure for figure in FIGURES if most_possible(figure, 1.0) < math.inf)
 
 #: The tables whose rows all have the engine versions of the header.
-OF_ONE_VERSION = ("results.csv", "tradeoff.csv", "orders.csv", "attribution.csv", "contact.csv", "audit.csv", "ensemble.csv")
+OF_ONE_VERSION = (
+    *("results.csv", "tradeoff.csv", "orders.csv", "attribution.csv", "audit.csv", "ensemble.csv"),
+    *("contact.csv", "contact_settings.csv", "contact_properties.csv"),
+)
 
 
 def check(name: str, rows: Sequence[Row], cases: Mapping[str, Case], engines: Mapping[str, str]) -> None:

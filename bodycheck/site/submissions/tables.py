@@ -26,7 +26,7 @@ from bodycheck.results.tables import RESULTS, Table
 from bodycheck.site.submissions.submission import Row
 from bodycheck.site.submissions.texts import text
 from bodycheck.studies.audit.rows import ROWS as AUDIT
-from bodycheck.studies.contact.rows import SHEET
+from bodycheck.studies.contact.rows import MEASURED, SETTINGS, SHEET
 from bodycheck.studies.ensemble.rows import ROWS as ENSEMBLE
 from bodycheck.studies.orders import ORDERS
 from bodycheck.studies.parity.rows import READINGS
@@ -66,7 +66,8 @@ NAMED: dict[str, Kind] = {
 
 #: The tables that the site has pages for, by the names of their files.
 TABLES: dict[str, Table[Any]] = {
-    table.file: table for table in (RESULTS, PARTS, RUNS, ORDERS, RELEASES, CHANGES, SHEET, READINGS, AUDIT, ENSEMBLE)
+    table.file: table
+    for table in (RESULTS, PARTS, RUNS, ORDERS, RELEASES, CHANGES, SHEET, SETTINGS, MEASURED, READINGS, AUDIT, ENSEMBLE)
 }
 
 #: The columns that every table of runs must have. Any other table must have all its columns, except its `later` columns.

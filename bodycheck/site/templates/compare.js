@@ -5,6 +5,7 @@
   const told = document.getElementById("told");
   const found = document.getElementById("found");
   const marks = site.json("marks");
+  const opening = site.json("opening"); // the engine that differs most between two of its results; empty if none differs
   const { engine, left, right, all } = form.elements;
 
   // Returns the results of an engine that can be compared, the newest first; each is a submission, a version and a table.
@@ -129,20 +130,39 @@
     found.replaceChildren(...(listed.length ? [tabled(listed, all.checked ? "All runs" : "Runs that differ")] : []));
   };
 
+  /** Resolves to the values of the two results of an engine that differ in most runs, the newer ones first; null if none differ. */
+  const pairOf = async (name) => {
+    const { results, pairs } = await site.changes(name);
+    const amount = ({ differences }) => Object.values(differences).reduce((sum, places) => sum + places.length, 0);
+    const most = pairs.reduce((best, pair) => (best && amount(best) > amount(pair) ? best : pair), null);
+    const value = ({ submission, version, table }) => `${submission}:${version}:${table}`;
+    return most && [most.before, most.after].map((place) => value(results[place]));
+  };
+
   let asked = 0;
   const apply = async () => {
     const state = site.state();
     const names = site.index.engines.map(({ name }) => name).filter((name) => sides(name).length > 0);
-    options(engine, names.map((name) => ({ value: name, text: name })), state.get("engine") ?? names.find((name) => sides(name).length > 1));
-    const offered = sides(engine.value);
-    options(left, offered, state.get("left") ?? offered[1]?.value);
-    options(right, offered, state.get("right") ?? offered[0]?.value);
-    all.checked = state.get("all") === "1";
-    const [one, other] = [left, right].map((select) => offered.find(({ value }) => value === select.value));
-    if (!one || !other) return void (told.textContent = "There are no runs to compare.");
     const place = ++asked;
+    const first = state.get("engine") ?? (opening || names.find((name) => sides(name).length > 1));
+    options(engine, names.map((name) => ({ value: name, text: name })), first);
+    const offered = sides(engine.value);
+    if (!offered.length) return void (told.textContent = "There are no runs to compare.");
     told.textContent = "The data is read.";
+    found.replaceChildren();
     try {
+      const pair = await pairOf(engine.value);
+      if (place !== asked) return;
+      options(left, offered, state.get("left") ?? pair?.[0] ?? offered[1]?.value);
+      options(right, offered, state.get("right") ?? pair?.[1] ?? offered[0]?.value);
+      all.checked = state.get("all") === "1";
+      if (!pair && !state.has("left") && !all.checked) {
+        const results = offered.length === 1 ? "There is one set of results" : `None of the ${offered.length} sets of results`;
+        const more = offered.length === 1 ? ", and so nothing to compare it with." : " differ by more than rounding in a run that two of them share.";
+        return void (told.textContent = `${results} of ${engine.value}${more}`);
+      }
+      const [one, other] = [left, right].map((select) => offered.find(({ value }) => value === select.value));
+      if (!one || !other) return void (told.textContent = "There are no runs to compare.");
       await show(one, other);
     } catch (error) {
       if (place === asked) told.textContent = `The data cannot be read: ${error.message}.`;

@@ -167,7 +167,7 @@
   table.setAttribute("role", "grid");
   table.setAttribute("aria-readonly", "true");
   for (const link of table.querySelectorAll("a")) link.tabIndex = -1;
-  table.closest(".scroll").removeAttribute("tabindex"); // not needed, since a cell in the region can be focused
+  table.closest(".matrix").removeAttribute("tabindex"); // not needed, since a cell in the region can be focused
   table.addEventListener("keydown", (event) => {
     const cell = event.target.closest("th, td");
     if (!cell || event.altKey || event.metaKey) return;
