@@ -8,7 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from bodycheck.reference.proof.enclosure import Enclosure
+from bodycheck.reference.mechanisms.joint_bounds import joint_bounds
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.proof.enclosure import COORDINATES, Enclosure
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 from bodycheck.reference.witness import Witness, event_distances
@@ -33,6 +35,9 @@ COMPARED = (
     ("position_error", "m", " in position"),
     ("velocity_error", "m/s", " in velocity"),
 )
+
+#: The quantities that a proof compares in addition, likewise.
+CONSERVED = (("energy_error", "J", " in energy"), ("angular_momentum_error", "kg m^2/s", " in angular momentum"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,17 +132,30 @@ def contradiction_of_events(one: Witness, other: Witness, last: float) -> str | 
 
 def proved(certificate: Certificate, enclosure: Enclosure) -> Certificate:
     """Return a certificate with a proof, whose faults say where a printed bound is smaller than a proved distance."""
-    truth, faults = certificate.truth, list(certificate.faults)
-    for name, unit, what in COMPARED:
-        printed = np.broadcast_to(getattr(truth.bounds, name), truth.trajectory.t.shape)
-        excess = enclosure.nearest[name] - printed
-        worst = int(np.argmax(np.where(np.isnan(excess), -np.inf, excess)))
-        if excess[worst] > 0:
-            faults.append(
-                f"the printed bound of the error{what}, {printed[worst]:.2g} {unit} at t = {truth.trajectory.t[worst]:.6g} s, "
-                f"is smaller than the proved distance, {enclosure.nearest[name][worst]:.2g} {unit}"
-            )
-    return replace(certificate, enclosure=enclosure, faults=(*faults, *_faults_of_events(truth, enclosure)))
+    truth = certificate.truth
+    faults = (*certificate.faults, *_faults_of_figures(truth, enclosure), *_faults_of_events(truth, enclosure))
+    return replace(certificate, enclosure=enclosure, faults=faults)
+
+
+def _faults_of_figures(truth: Truth, enclosure: Enclosure) -> Iterator[str]:
+    """Yield where a printed bound of states, energy, angular momentum or coordinates of joints is smaller than the distance."""
+    printed = [(name, unit, what, getattr(truth.bounds, name)) for name, unit, what in (*COMPARED, *CONSERVED)]
+    if COORDINATES[0] in enclosure.nearest:
+        assert isinstance(truth.scene, Mechanism)
+        assert truth.joints is not None  # the truth of a mechanism has joints
+        of_joints = joint_bounds(truth.scene, truth.trajectory, truth.joints, truth.bounds)
+        units = (("rad or m", " of a joint's coordinate"), ("rad/s or m/s", " of a joint's velocity"))
+        printed += [(name, *words, bound) for name, words, bound in zip(COORDINATES, units, of_joints, strict=True)]
+    for name, unit, what, bound in printed:
+        proof = enclosure.nearest[name]
+        excess = np.where(np.isnan(proof), -np.inf, proof - bound)
+        if not excess.size or not excess.max() > 0:
+            continue
+        worst = np.unravel_index(int(np.argmax(excess)), excess.shape)
+        yield (
+            f"the printed bound of the error{what}, {np.broadcast_to(bound, proof.shape)[worst]:.2g} {unit} "
+            f"at t = {truth.trajectory.t[worst[0]]:.6g} s, is smaller than the proved distance, {proof[worst]:.2g} {unit}"
+        )
 
 
 def _faults_of_events(truth: Truth, enclosure: Enclosure) -> Iterator[str]:

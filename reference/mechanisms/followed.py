@@ -29,6 +29,7 @@ from bodycheck.reference.mechanisms.growth import (
     STORED_ROUNDINGS,
     Growth,
     growth,
+    of_roundings,
     rounding_errors,
     roundings,
     so_far,
@@ -116,10 +117,13 @@ def by_recursion(mechanism: Mechanism, times: Array, measured: Measured | None =
         states = recursion.follow(mechanism, instants, dtype)
     recursion.require_regular(mechanism, float(grown.t[-1]))
     wide = _motion_in_joints(states)
-    count = DOP853_ROUNDINGS
+    count, growing = DOP853_ROUNDINGS, grown
     if dtype is not np.float64:
-        count = roundings(mechanism, measured.base, wide.part(np.searchsorted(instants, grown.t)), grown)
-    errors = with_doubts(mechanism, states, grown, count, float(np.finfo(dtype).eps))
+        there = wide.part(np.searchsorted(instants, grown.t))
+        count = roundings(mechanism, measured.base, there, grown)
+        if not sudden(mechanism) and not any(joint.friction for joint in mechanism.joints):
+            growing = of_roundings(mechanism, measured.base, there, grown, count)
+    errors = with_doubts(mechanism, states, growing, count, float(np.finfo(dtype).eps))
     rows = np.searchsorted(instants, times)
     way = Way(f"{RECURSION}, {name}", wide.part(rows), {name: values[rows] for name, values in errors.items()}, digits)
     return Followed(way, RECURSION, "rigid bodies on joints", name, grown.until(times), measured=measured)

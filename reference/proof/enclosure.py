@@ -9,7 +9,10 @@ from bodycheck.reference.trajectory import Array
 #: The quantities of a body in which a proof states distances, by the names of the bounds of truths.
 QUANTITIES = ("error", "position_error", "velocity_error", "angular_velocity_error")
 
-#: The quantities of the coordinate of a joint: the coordinate (rad or m) and its velocity.
+#: The quantities of all bodies together, which the states have: energy (J) and angular momentum (kg m^2/s).
+CONSERVED = ("energy_error", "angular_momentum_error")
+
+#: The quantities of the coordinates of joints: a coordinate (rad or m) and its velocity.
 COORDINATES = ("joint_position_error", "joint_velocity_error")
 
 
@@ -40,8 +43,8 @@ class Enclosure:
     radius
         The largest radius of a ball (rad, m, rad/s or m/s).
     farthest, nearest
-        Upper and lower bounds (n,) of the distances of the printed states from the exact ones, by the names of `QUANTITIES`,
-        and of `COORDINATES` for a joint.
+        Upper and lower bounds (n,) of the distances of the printed states from the exact ones, by the names of `QUANTITIES` and
+        `CONSERVED`, and (n, c) by those of `COORDINATES` for joints.
     until
         The instant (s) up to which the motion is enclosed; the distances at later instants are NaN. None if all is.
     seconds

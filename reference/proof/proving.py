@@ -4,7 +4,6 @@ import math
 import time
 from bisect import bisect_left
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from flint import arb
@@ -27,7 +26,8 @@ from bodycheck.reference.proof.balls import (
     vector_sum,
 )
 from bodycheck.reference.proof.contact.scenes import touching
-from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, Interval, NotEnclosed
+from bodycheck.reference.proof.enclosure import CONSERVED, COORDINATES, QUANTITIES, Enclosure, Interval, NotEnclosed
+from bodycheck.reference.proof.energies import Conserved, conserved
 from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Shown, States
 from bodycheck.reference.proof.trees import rest, validated
 from bodycheck.reference.proof.trees.dynamics import joint_states, poses
@@ -86,7 +86,7 @@ def enclosed(
         with precision(bits):
             try:
                 motion = _motion(scene, printed, joints, candidate, bits, begin + limit)
-                compared = _compared(motion, printed, joints)
+                compared = _compared(motion, printed, joints, conserved(scene))
                 events = _events(motion, float(printed.t[-1]) if compared[3] is None else compared[3])
             except NotEnclosed as error:
                 reason = error
@@ -193,14 +193,18 @@ def _flight(scene: Scene) -> States:
 
 
 def _compared(
-    motion: Motion, printed: Trajectory, joints: JointMotion | None
+    motion: Motion, printed: Trajectory, joints: JointMotion | None, kept: Conserved
 ) -> tuple[float, dict[str, Array], dict[str, Array], float | None]:
     """The largest radius of a ball, bounds of the distances of the printed states from above and below, and their last instant.
 
     The last instant is None if all balls are small.
     """
-    names = (*QUANTITIES, *(COORDINATES if joints else ()))
-    farthest, nearest = ({name: np.full(len(printed.t), np.nan) for name in names} for _ in range(2))
+    count = len(printed.t)
+    farthest, nearest = ({name: np.full(count, np.nan) for name in (*QUANTITIES, *CONSERVED)} for _ in range(2))
+    if joints is not None:
+        shapes = zip(COORDINATES, (joints.position.shape, joints.velocity.shape), strict=True)
+        for name, shape in shapes:
+            farthest[name], nearest[name] = np.full(shape, np.nan), np.full(shape, np.nan)
     largest, until = 0.0, None
     for row, instant in enumerate(printed.t.tolist()):
         if np.isnan(printed.position[..., row, :]).any():  # mechanics determines no motion there
@@ -214,8 +218,9 @@ def _compared(
             until = float(printed.t[row - 1])
             break
         largest = max(largest, radius)
-        for name, values in _distances(shown, printed, joints, row).items():
-            farthest[name][row], nearest[name][row] = max(map(upper, values)), max(map(lower, values))
+        for name, values in _distances(shown, _printed(printed, joints, row), kept).items():
+            high, low = list(map(upper, values)), list(map(lower, values))
+            farthest[name][row], nearest[name][row] = (high, low) if name in COORDINATES else (max(high), max(low))
     return largest, farthest, nearest, until
 
 
@@ -227,21 +232,33 @@ def _events(motion: Motion, until: float) -> tuple[Interval, ...] | None:
     return tuple(Interval(change.kind, change.body, lower(change.time), upper(change.time)) for change in changes)
 
 
-def _distances(shown: Shown, printed: Trajectory, joints: JointMotion | None, row: int) -> dict[str, list[Ball]]:
-    """The distances of the printed states at an instant, which is given by its row, of each body and coordinate."""
+def _printed(printed: Trajectory, joints: JointMotion | None, row: int) -> Shown:
+    """The printed states at an instant, which is given by its row, as exact numbers."""
     several = [printed] if printed.position.ndim == 2 else [printed.body(index) for index in range(len(printed.position))]
+    bodies = []
+    for body in several:
+        position, velocity, rates = (
+            triple(each[row].tolist()) for each in (body.position, body.velocity, body.angular_velocity)
+        )
+        bodies.append((position, of_quaternion(body.quaternion[row].tolist()), velocity, rates))
+    if joints is None:
+        return Shown([], [], bodies)
+    coordinates, speeds = ([ball(value) for value in each[row].tolist()] for each in (joints.position, joints.velocity))
+    return Shown(coordinates, speeds, bodies)
+
+
+def _distances(shown: Shown, printed: Shown, kept: Conserved) -> dict[str, list[Ball]]:
+    """The distances of printed states from the exact ones, of each body and coordinate, and of all bodies together."""
     distances: dict[str, list[Ball]] = {name: [] for name in QUANTITIES}
-    for body, (position, attitude, velocity, rates) in zip(several, shown.bodies, strict=True):
-        distances["error"].append(angle_between(attitude, of_quaternion(body.quaternion[row].tolist())))
-        distances["position_error"].append(distance(position, _balls(body.position[row])))
-        distances["velocity_error"].append(distance(velocity, _balls(body.velocity[row])))
-        distances["angular_velocity_error"].append(distance(rates, _balls(body.angular_velocity[row])))
-    if joints is not None:
-        printed_states = (joints.position[row].tolist(), joints.velocity[row].tolist())
-        for name, given, values in zip(COORDINATES, printed_states, (shown.position, shown.velocity), strict=True):
-            distances[name] = [abs(one - ball(other)) for one, other in zip(values, given, strict=True)]
+    for (position, attitude, velocity, rates), other in zip(shown.bodies, printed.bodies, strict=True):
+        distances["error"].append(angle_between(attitude, other[1]))
+        distances["position_error"].append(distance(position, other[0]))
+        distances["velocity_error"].append(distance(velocity, other[2]))
+        distances["angular_velocity_error"].append(distance(rates, other[3]))
+    (energy, momentum), (of_printed, other_momentum) = kept(shown), kept(printed)
+    distances |= {"energy_error": [abs(energy - of_printed)], "angular_momentum_error": [distance(momentum, other_momentum)]}
+    if printed.position:
+        pairs = ((shown.position, printed.position), (shown.velocity, printed.velocity))
+        for name, (one, other_values) in zip(COORDINATES, pairs, strict=True):
+            distances[name] = [abs(a - b) for a, b in zip(one, other_values, strict=True)]
     return distances
-
-
-def _balls(values: Array) -> list[Any]:
-    return [ball(value) for value in values.tolist()]

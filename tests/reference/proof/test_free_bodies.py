@@ -12,11 +12,12 @@ import pytest
 from bodycheck.casefile.case import load, parse
 from bodycheck.reference.exact.start import defined_scene
 from bodycheck.reference.proof.enclosure import QUANTITIES, Enclosure, NotEnclosed
-from bodycheck.reference.scene import Definition, Push, Scene, Tensor, Vector
+from bodycheck.reference.scene import Definition, Push, Scene, Tensor
 from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import Truth
 from bodycheck.running import truths
 from tests.support.bound_checks import figures
+from tests.support.proved_scenes import TURNED, flight_with_drag
 from tests.support.random_cases import REGIMES, drawn
 
 pytest.importorskip("flint")
@@ -109,26 +110,6 @@ def gyroscopic(found: Truth) -> Truth:
     return replace(found, trajectory=replace(found.trajectory, angular_velocity=-found.trajectory.angular_velocity))
 
 
-TURNED = """
-format = 1
-name = "turned"
-title = "A turned tensor"
-[body]
-shape = "none"
-mass = 1.0
-inertia = [[0.3, 0.05, -0.02], [0.05, 0.45, 0.04], [-0.02, 0.04, 0.4]]
-[initial]
-euler_zxz = [0.3, 0.8, -0.4]
-velocity = [1.0, 2.0, 3.0]
-angular_velocity = [1.0, 2.0, -3.0]
-[scene]
-gravity = 9.81
-[run]
-duration = 3.0
-samples = 61
-"""
-
-
 @pytest.mark.parametrize(
     ("fault", "quantity"),
     [
@@ -171,22 +152,9 @@ def test_exactly_on_the_separatrix(signs: tuple[int, int, int]) -> None:
     assert enclosure.bits == 96  # decided by rational numbers, not by more and more digits
 
 
-def with_drag(seed: int) -> Scene:
-    """A free body with drag and gravity, also along a vertical line or without gravity."""
-    rng = np.random.default_rng(seed)
-    scene = parse(TURNED, "turned").scene
-    velocity: Vector = tuple((5 * rng.normal(size=3)).tolist())  # type: ignore[assignment]
-    if seed % 3 == 0:
-        velocity = (0.0, 0.0, 3.0 * (seed - 3))
-    gravity = 0.0 if seed % 3 == 1 else 9.81
-    return replace(
-        scene, drag=float(rng.uniform(0.01, 0.2)), gravity=gravity, initial=replace(scene.initial, velocity=velocity)
-    )
-
-
 @pytest.mark.parametrize("seed", range(7))
 def test_no_printed_bound_with_drag_is_below_its_proof(seed: int) -> None:
-    scene = with_drag(seed)
+    scene = flight_with_drag(seed)
     found = truth(scene, np.linspace(0, 2, 5))
     enclosure = proving.enclosed(scene, found.trajectory)
     assert enclosure.radius <= 2.0**-60

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from bodycheck.casefile.case import load
-from bodycheck.reference.mechanisms.control import Controller, Sine, Stops
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.control import Controller
+from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
-from bodycheck.reference.scene import Tensor
 from bodycheck.reference.truths import Truth
+from tests.support.proved_scenes import driven_slider, hinge_or_slider, top
 
 pytest.importorskip("flint")
 
@@ -62,32 +62,9 @@ def test_every_shipped_joint_is_enclosed(name: str) -> None:
     assert enclosure.farthest[COORDINATES[0]].max() < 1e-14
 
 
-def drawn(seed: int) -> Mechanism:
-    """A body on a turned hinge or slider, with some of all terms."""
-    rng = np.random.default_rng(seed)
-    some: Callable[[float], float] = lambda size: float(rng.uniform(0, size)) if rng.random() < 0.5 else 0.0  # noqa: E731
-    a, b = rng.normal(size=(2, 3)), np.diag(rng.uniform(0.2, 0.3, 3))
-    x, y, z = (tuple(row) for row in (b + 0.02 * np.outer(a[0], a[0])).tolist())
-    slides = bool(rng.integers(2))
-    joint = Joint(
-        *("joint", "prismatic" if slides else "revolute", WORLD, 0, tuple(a[0].tolist()), tuple(rng.normal(size=4).tolist())),
-        axis=tuple(a[1].tolist()),
-        armature=some(0.3),
-        damping=some(2.0),
-        stiffness=some(30.0),
-        rest=some(0.5),
-        friction=some(1.0),
-        effort=some(4.0),
-        start=(float(rng.normal()),),
-        start_velocity=(float(rng.normal()),),
-    )
-    centre = (0.0, 0.0, 0.0) if not slides else tuple(rng.normal(size=3).tolist())
-    return Mechanism((JointedBody("body", Tensor(1.5, (x, y, z)), centre),), (joint,), gravity=9.81)  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("seed", range(24))
 def test_no_printed_bound_is_below_its_proof(seed: int) -> None:
-    scene = drawn(seed)
+    scene = hinge_or_slider(seed)
     found = mechanism_truth(scene, np.linspace(0, 3, 31))
     assert below(proof(scene, found), found) == []
 
@@ -156,30 +133,9 @@ def test_a_truth_with_other_stops_or_limits_is_contradicted(name: str, of_stops:
     assert below(proof(scene, found), found) != []
 
 
-def driven(seed: int) -> Mechanism:
-    """A slider with stops, of all kinds, that a law with a limit of its effort drives through a spring."""
-    rng = np.random.default_rng(seed)
-    rigid, friction = Stops(-0.4, 0.3, restitution=0.3 * (seed % 2)), float(rng.uniform(0, 0.5)) * (seed % 3 == 0)
-    elastic = Stops(None, 0.3, restitution=None, stiffness=200.0, damping=float(rng.uniform(0, 5)))
-    joint = Joint(
-        *("joint", "prismatic", WORLD, 0),
-        axis=(1.0, 0.0, 0.0),
-        damping=float(rng.uniform(0, 0.5)),
-        stiffness=float(rng.uniform(0, 2)),
-        friction=friction,
-        start=(float(rng.uniform(-0.2, 0.2)),),
-        start_velocity=(float(rng.normal()),),
-        stops=rigid if seed % 4 < 2 else elastic,
-    )
-    target = Sine(float(rng.uniform(0.1, 0.5)), float(rng.uniform(2, 8)))
-    law = Controller(0, kp=float(rng.uniform(5, 40)), kd=float(rng.uniform(0, 3)), target=target, effort_limit=3.0)
-    shape = Tensor(1.0, ((0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)))
-    return Mechanism((JointedBody("body", shape),), (joint,), controllers=(law,))
-
-
 @pytest.mark.parametrize("seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 80))])
 def test_limits_friction_and_stops_at_once(seed: int) -> None:
-    scene = driven(seed)
+    scene = driven_slider(seed)
     found = mechanism_truth(scene, np.linspace(0, 2, 9))
     assert below(proof(scene, found), found) == []
 
@@ -191,20 +147,6 @@ def test_reasons_why_there_is_no_proof() -> None:
     found = mechanism_truth(scene, np.zeros(1))
     with pytest.raises(NotEnclosed, match="a sampled law beside dry friction"):
         proof(scene, found)
-
-
-def top(seed: int) -> Mechanism:
-    """A body with two equal moments and its centre of mass on its axis, on a turned ball joint, with gravity in most scenes."""
-    rng = np.random.default_rng(seed)
-    length, moments = float(rng.uniform(0.1, 0.5)), (0.02, 0.02, float(rng.uniform(0.01, 0.03)))
-    rows = tuple(tuple(float(moments[i] if i == j else 0.0) for j in range(3)) for i in range(3))
-    joint = Joint(
-        *("point", "spherical", WORLD, 0, (0.1, 0.2, 0.3), tuple(rng.normal(size=4).tolist())),
-        start=tuple(rng.normal(size=4).tolist()),
-        start_velocity=tuple((3 * rng.normal(size=3)).tolist()),
-    )
-    body = JointedBody("top", Tensor(1.5, rows), (0.0, 0.0, length))  # type: ignore[arg-type]
-    return Mechanism((body,), (joint,), gravity=9.81 * (seed % 3 > 0))
 
 
 @pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=pytest.mark.slow)])

@@ -9,12 +9,12 @@ import pytest
 
 from bodycheck.casefile.case import load
 from bodycheck.reference.candidate import candidate_of
-from bodycheck.reference.mechanisms.joint_types import JointType
-from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.proof.enclosure import QUANTITIES, Enclosure
 from bodycheck.reference.scene import Tensor
 from bodycheck.reference.truths import Truth
+from tests.support.proved_scenes import two_links
 
 pytest.importorskip("flint")
 pytest.importorskip("heyoka")
@@ -26,32 +26,6 @@ from bodycheck.reference.proof.balls import precision
 from bodycheck.reference.proof.trees import dynamics, polynomials, validated
 from bodycheck.reference.proof.trees import tree as trees
 from bodycheck.reference.proof.trees.derivatives import along, each_alone
-
-
-def two_links(seed: int) -> Mechanism:
-    """Two bodies on turned joints, each a hinge or a slider, with springs and dampers; from seed 4 on the second is a ball."""
-    rng = np.random.default_rng(seed)
-    types: tuple[JointType, ...] = ("revolute", "prismatic")
-    bodies, joints = [], []
-    for number in range(2):
-        spread = 0.05 * rng.normal(size=(3, 3))
-        x, y, z = (tuple(row) for row in (np.diag(rng.uniform(0.2, 0.3, 3)) + spread @ spread.T).tolist())
-        bodies.append(JointedBody(f"b{number}", Tensor(1.5, (x, y, z)), tuple((0.4 * rng.normal(size=3)).tolist())))
-        kind: JointType = "spherical" if number and seed > 3 else types[int(rng.integers(2))]
-        size, rates = (4, 3) if kind == "spherical" else (1, 1)
-        joints.append(
-            Joint(
-                *(f"j{number}", kind, number - 1 if number else WORLD, number),
-                *(tuple((0.3 * rng.normal(size=3)).tolist()), tuple(rng.normal(size=4).tolist())),
-                axis=tuple(rng.normal(size=3).tolist()),
-                armature=0.05 * (size == 1),
-                damping=0.1 * number,
-                stiffness=5.0 * number * (size == 1),
-                start=tuple(rng.normal(size=size).tolist()),
-                start_velocity=tuple(rng.normal(size=rates).tolist()),
-            )
-        )
-    return Mechanism(tuple(bodies), tuple(joints), gravity=9.81)
 
 
 def proof(scene: Mechanism, found: Truth) -> Enclosure:

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from bodycheck.casefile.case import load, parse
-from bodycheck.reference.scene import Brick, Plane, Push, Scene, Solid, Sphere
+from bodycheck.reference.scene import Brick, Plane, Push, Scene, Solid
 from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import Truth
 from tests.support import ROOT
 from tests.support.proofs import certificate_of, one_body
+from tests.support.proved_scenes import ball_on_plane
 
 pytest.importorskip("flint")
 
@@ -42,23 +43,9 @@ def test_every_shipped_body_that_has_a_closed_form_is_enclosed(name: str) -> Non
     assert certificate_of(found, enclosure).faults == ()
 
 
-def drawn(seed: int) -> Scene:
-    """A ball that is thrown against a plane, or slips on it, with an incline in half of the scenes."""
-    rng = np.random.default_rng(seed)
-    incline = float(rng.uniform(0.05, 0.5)) if seed % 2 else 0.0
-    radius, height = float(rng.uniform(0.05, 0.2)), float(rng.uniform(0.1, 0.5)) * (seed % 3 > 0)
-    normal = np.array([math.sin(incline), 0.0, math.cos(incline)])
-    velocity, spin = rng.normal(size=3), 10 * rng.normal(size=3)
-    if not height:
-        velocity -= (velocity @ normal) * normal
-    plane = Plane(float(rng.uniform(0.05, 0.6)), incline=incline, restitution=float(rng.uniform(0.1, 0.7)))
-    solid = Solid(Sphere(radius), 1.5)
-    return one_body(solid, tuple((radius + height) * normal), tuple(velocity), tuple(spin), plane)
-
-
 @pytest.mark.parametrize("seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 120))])
 def test_no_printed_bound_is_below_its_proof(seed: int) -> None:
-    scene = drawn(seed)
+    scene = ball_on_plane(seed)
     found = truth(scene, np.linspace(0, 1.5, 16))
     assert certificate_of(found, proving.enclosed(scene, found.trajectory)).faults == ()
 

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from bodycheck.casefile.case import load
-from bodycheck.reference.mechanisms.mechanism import BodyStart, JointedBody, Mechanism, PairContact
-from bodycheck.reference.scene import Brick, Plane, Solid, Sphere, Vector
+from bodycheck.reference.mechanisms.mechanism import BodyStart, JointedBody, Mechanism
+from bodycheck.reference.scene import Brick, Plane, Solid
 from bodycheck.reference.truth import truth
 from tests.support.proofs import certificate_of
+from tests.support.proved_scenes import two_spheres
 
 pytest.importorskip("flint")
 
@@ -43,25 +44,9 @@ def test_every_shipped_scene_that_has_a_closed_form_is_enclosed(name: str) -> No
     assert faults_of(case.scene, case.scene, case.duration) == ()
 
 
-def drawn(seed: int) -> Mechanism:
-    """Two spheres that fly or roll towards each other."""
-    rng = np.random.default_rng(seed)
-    plane = Plane(0.3, restitution=0.4) if seed % 2 else None
-    radius, bodies = 0.1, []
-    for side in (-1, 1):
-        size = radius if plane else float(rng.uniform(0.05, 0.15))
-        position = (0.5 * side, float(rng.uniform(-0.05, 0.05)), size if plane else 1.0)
-        velocity = (-float(rng.uniform(0.5, 1.5)) * side, float(rng.uniform(-0.05, 0.05)), 0.0 if plane else 1.0)
-        spin: Vector = tuple((5 * rng.normal(size=3)).tolist())  # type: ignore[assignment]
-        start = BodyStart(position, velocity=velocity, rotation=spin)
-        bodies.append(JointedBody(f"ball{side}", Solid(Sphere(size), float(rng.uniform(0.5, 2))), start=start))
-    law = PairContact((0, 1), 0.0 if plane else float(rng.uniform(0, 0.5)), float(rng.uniform(0.2, 0.9)))
-    return Mechanism(tuple(bodies), gravity=9.81, plane=plane, contacts=(law,))
-
-
 @pytest.mark.parametrize("seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 60))])
 def test_no_printed_bound_is_below_its_proof(seed: int) -> None:
-    scene = drawn(seed)
+    scene = two_spheres(seed)
     with contextlib.suppress(*([NotEnclosed] if seed > 5 else [])):  # some spheres on a plane hit each other without end
         assert faults_of(scene, scene, 1.0) == ()
 
