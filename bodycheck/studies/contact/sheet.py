@@ -18,8 +18,8 @@ from bodycheck.reference.truths import Truth
 #: The tag of the shipped cases that are on the sheet.
 TAG = "contact"
 
-#: The longest duration (s) of the shipped cases that are on the sheet unless cases are named. What `block-rests-on-ramp` shows in
-#: a minute, the probe of creep measures in two seconds.
+#: The longest duration (s) of the shipped cases that are on the sheet unless cases are named. What `block-rests-on-ramp`
+#: shows in a minute, the probe of creep measures in two seconds.
 LONGEST_S = 10.0
 
 #: The groups of scenes that have settings of their own: a body slides flat on a level plane; bodies touch, and their laws have
