@@ -48,10 +48,12 @@ Pairs = Mapping[tuple[int, int], float]
 def wanted(scene: AnyScene, count: int) -> tuple[Pairs, Pairs]:
     """Return the friction and the restitution of all pairs of `count` bodies and the plane.
 
-    Those come first that have coefficients of their own in the scene.
+    Those come first that have coefficients of their own in the scene; without a plane, no others touch.
     """
     usual, *others = laws(scene)
     special = {law.bodies: law for law in others}
+    if scene.plane is None:
+        return {pair: law.friction for pair, law in special.items()}, {pair: law.restitution for pair, law in special.items()}
     with_plane = [(WORLD, index) for index in range(count)]
     order = dict.fromkeys([*special, *with_plane, *itertools.combinations(range(count), 2)])
     chosen = {pair: special.get(pair, usual) for pair in order}
@@ -112,9 +114,12 @@ class Coefficients:
 
 
 def coefficients(scene: AnyScene, count: int, rule: Combination) -> dict[int, Coefficients]:
-    """Return the coefficients of the plane, with the index `WORLD`, and of each of the `count` bodies of a scene."""
+    """Return the coefficients of the plane, with the index `WORLD`, and of each of the `count` bodies of a scene.
+
+    Those that touch nothing have zeros.
+    """
     friction, restitution = (shared(pairs, rule) for pairs in wanted(scene, count))
-    return {index: Coefficients(friction[index], restitution[index]) for index in (WORLD, *range(count))}
+    return {index: Coefficients(friction.get(index, 0.0), restitution.get(index, 0.0)) for index in (WORLD, *range(count))}
 
 
 def differences(scene: AnyScene, bodies: Sequence[TouchingBody], rule: Combination, largest: float = np.inf) -> list[str]:

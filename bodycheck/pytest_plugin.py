@@ -370,7 +370,7 @@ def _perform(config: pytest.Config) -> "Perform":
 
         stack = ExitStack()
         config.add_cleanup(stack.close)
-        workers = pool.Workers(perform, 1, campaign.TIME_LIMIT_S, group=group, home=engines.home, kept=True)
+        workers = pool.Workers(perform, 1, campaign.TIME_LIMIT_S, group=group, home=engines.home, kept=1)
         kept: Perform = lru_cache(MAX_CACHED_RESULTS)(stack.enter_context(workers).call)
         config.stash[PERFORM_KEY] = kept
     return config.stash[PERFORM_KEY]

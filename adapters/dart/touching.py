@@ -12,8 +12,7 @@ coefficients of the bodies are chosen such that every pair has those of the scen
 A push is an external force, which DART applies at the start of a step.
 """
 
-import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,7 +37,7 @@ from bodycheck.adapters.dart.contact import (
 from bodycheck.adapters.links import link_of
 from bodycheck.adapters.pair_coefficients import differing, shared, wanted
 from bodycheck.adapters.stepping import Loop, several
-from bodycheck.adapters.touching import plane_of, switches, touching_bodies
+from bodycheck.adapters.touching import acting, plane_of, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Push, Shape
 from bodycheck.reference.trajectory import Array
@@ -52,11 +51,11 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True, eq=False)
 class Touching:
-    """Bodies that touch in a world of DART at t = 0, and their pushes as `switches` returns them."""
+    """Bodies that touch in a world of DART at t = 0, and the pushes that act in each step from the first one on."""
 
     world: "dart.simulation.World"
     bodies: Sequence[Any]
-    pushes: Mapping[int, tuple[Push, ...]]
+    pushes: Iterator[tuple[Push, ...]]
 
 
 def prepare(scene: AnyScene, method: Method) -> Loop[None]:
@@ -103,7 +102,7 @@ def built(scene: AnyScene, method: Method) -> Touching:
     else:
         add_ground(world, dart.dynamics.PlaneShape(list(plane.normal), 0.0), frictions[WORLD], restitutions[WORLD])
     solve(world, method, detector(shapes, plane.incline))
-    return Touching(world, bodies, switches(scene.pushes, method.timestep))
+    return Touching(world, bodies, acting(scene.pushes, method.timestep))
 
 
 def detector(shapes: Sequence[Shape], incline: float) -> str:
@@ -116,14 +115,11 @@ def detector(shapes: Sequence[Shape], incline: float) -> str:
 
 def loop(touched: Touching) -> Loop[None]:
     """Return the simulation of bodies that touch."""
-    world, bodies, pushes = touched.world, touched.bodies, touched.pushes
+    world, bodies = touched.world, touched.bodies
     skeletons = [body.getSkeleton() for body in bodies]
-    taken, acting = itertools.count(), pushes[0]
 
     def step() -> None:
-        nonlocal acting
-        acting = pushes.get(next(taken), acting)
-        for push in acting:
+        for push in next(touched.pushes):
             bodies[push.body].addExtForce(push.force, push.point, False, True)  # a force in the world, a point in the body
         world.step()
         if not all(skeleton.computeKineticEnergy() < LARGEST_ENERGY_J for skeleton in skeletons):

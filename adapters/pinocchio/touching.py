@@ -23,7 +23,7 @@ from bodycheck.adapters.pinocchio import contact
 from bodycheck.adapters.pinocchio.contact_points import Placed, Point, between, on_plane, radius
 from bodycheck.adapters.pinocchio.joints import add_body, world
 from bodycheck.adapters.stepping import Loop
-from bodycheck.adapters.touching import Law, TouchingBody, laws, switches, touching_bodies
+from bodycheck.adapters.touching import Law, TouchingBody, acting, laws, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
 from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Plane, Push, Sphere
@@ -89,8 +89,7 @@ class Contacts:
         usual, *others = laws(scene)
         self.usual, self.others = usual, {law.bodies: law for law in others}
         self.radii = np.array([radius(body.shape) for body in bodies])
-        self.pushes, self.steps = switches(scene.pushes, timestep), 0
-        self.acting: tuple[Push, ...] = ()
+        self.pushes, self.steps = acting(scene.pushes, timestep), 0
         self.guess: dict[tuple[tuple[int, int], int], Array] = {}
         self.solver = Solver(self.model, self.joints[0])
         self.pressed: dict[tuple[int, int], float] = {}
@@ -99,10 +98,10 @@ class Contacts:
     def step(self, state: State) -> State:
         """Return the state one step later. Raises `EngineDiverged` if ADMM finds no solution."""
         q, v = state
-        self.acting = self.pushes.get(self.steps, self.acting)
+        pushes = next(self.pushes)
         self.steps += 1
         before = v
-        v = v + self.timestep * pin.aba(self.model, self.data, q, v, self._forces(q))
+        v = v + self.timestep * pin.aba(self.model, self.data, q, v, self._forces(q, pushes))
         pin.forwardKinematics(self.model, self.data, q)
         placed = [
             Placed(body.shape, self.data.oMi[joint].translation.copy(), self.data.oMi[joint].rotation.copy())
@@ -114,10 +113,10 @@ class Contacts:
             v = v + self._change(points, placed, before, v)
         return pin.integrate(self.model, q, self.timestep * v), v
 
-    def _forces(self, q: Array) -> Array:
-        """Return the generalized forces of the pushes that act."""
+    def _forces(self, q: Array, pushes: Sequence[Push]) -> Array:
+        """Return the generalized forces of pushes."""
         forces = np.zeros(self.model.nv)
-        for push in self.acting:
+        for push in pushes:
             x, y, z, w = q[7 * push.body + 3 : 7 * push.body + 7]
             along = pin.Quaternion(w, x, y, z).matrix().T @ push.force
             forces[6 * push.body : 6 * push.body + 3] += push.force

@@ -16,6 +16,7 @@ from bodycheck.adapters.contract import (
     Engine,
     Integrator,
     Method,
+    SceneUnsupported,
     SensingSimulation,
     Simulation,
     Usage,
@@ -31,7 +32,7 @@ from bodycheck.adapters.touching import corners_of_brick, lying_shape, touching_
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import touches
+from bodycheck.reference.requirements import grips, touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -40,7 +41,7 @@ from bodycheck.reference.trajectory import Array
 with no_stderr():
     import pybullet
 
-    from bodycheck.adapters.pybullet import mechanisms, sensing, touching
+    from bodycheck.adapters.pybullet import gripping, mechanisms, sensing, touching
     from bodycheck.adapters.pybullet.file_motion import file_facts as file_facts
     from bodycheck.adapters.pybullet.file_motion import run_file as run_file
     from bodycheck.adapters.pybullet.links import BASE, load, weld
@@ -88,7 +89,8 @@ engine = Engine(
     ),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
     | mechanisms.MODELS
-    | touching.MODELS,
+    | touching.MODELS
+    | gripping.MODELS,
     variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)), "contact": (ENGINE_SETTINGS, touching.BOUNCING)},
     defaults=defaults(),
     roles={"default": dict.fromkeys(sorted(KINDS), QUICK_START), "recommended": dict.fromkeys(sorted(KINDS), QUICK_START)},
@@ -110,7 +112,7 @@ calls = tuple(
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    if touches(scene):
+    if touches(scene) and not grips(scene):
         return touching.prepare(scene, method)
     if isinstance(scene, Mechanism):
         simulation, _, _ = jointed(scene, method)
@@ -120,7 +122,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
-    if touches(scene):
+    if touches(scene) and not grips(scene):
         server = touching.built(scene, method)
         bodies = [
             mechanisms.Part(world.body, BASE, np.array(body.body.axes))
@@ -148,8 +150,12 @@ def single(scene: Scene, method: Method) -> Loop[World]:
 
 def jointed(mechanism: Mechanism, method: Method) -> tuple[Loop[None] | Taking, int, list[mechanisms.Part]]:
     """Return the simulation of a mechanism, the connection to its server, and its bodies. Raises `SceneUnsupported`."""
+    if method.integrator == "maximal":
+        raise SceneUnsupported("bodies on joints in maximal coordinates")
     client = connected(mechanism.gravity, method)
-    parts = mechanisms.built(client, mechanism, method)
+    parts = mechanisms.built(client, mechanism, method, gripping.collisions(mechanism))
+    if mechanism.contacts:
+        gripping.touch(client, mechanism, parts, method)
     joints = mechanisms.Pushed(client, mechanism, parts)
 
     def step(_: None) -> None:

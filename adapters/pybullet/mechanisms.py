@@ -11,7 +11,7 @@ fifth of the velocity.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,6 +56,10 @@ UNLIMITED = 1e20
 FAR = 1e9
 
 
+#: The collision elements of bodies that touch nothing.
+NO_COLLISIONS: Mapping[int, str] = {}
+
+
 @dataclass(frozen=True)
 class Part:
     """A body of a mechanism in PyBullet.
@@ -73,8 +77,10 @@ class Part:
     axes: Array
 
 
-def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
+def built(client: int, mechanism: Mechanism, method: Method, collisions: Mapping[int, str] = NO_COLLISIONS) -> list[Part]:
     """Add a mechanism in its initial state to a physics server, and return its bodies in their order.
+
+    collisions: the collision elements of the URDF file, by the index of the body.
 
     Raises `SceneUnsupported` for a free body without mass, and for stops with a rebound.
     """
@@ -84,7 +90,7 @@ def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
             raise SceneUnsupported(f"the free body {root.name} without mass, which PyBullet would hold in place")
     by_index: dict[int, Part] = {}
     for tree in trees(mechanism):
-        body = loaded(client, document(mechanism, tree, method), tree[0] == WORLD)
+        body = loaded(client, document(mechanism, tree, method, collisions), tree[0] == WORLD)
         pybullet.changeDynamics(body, BASE, physicsClientId=client, **switched_off(method))
         numbers = {f"body_{tree[0]}": BASE}
         for link in range(pybullet.getNumJoints(body, physicsClientId=client)):
@@ -282,14 +288,19 @@ FIXED_BASE = (
 )
 
 
-def document(mechanism: Mechanism, tree: Sequence[int], method: Method) -> str:
+def document(mechanism: Mechanism, tree: Sequence[int], method: Method, collisions: Mapping[int, str]) -> str:
     """Return the URDF file of a tree. Bodies and joints have the names body_k and joint_k, where k is the index of the body."""
+
+    def link(index: int) -> str:
+        bare = link_element(f"body_{index}", link_of(mechanism.bodies[index]))
+        return bare.replace("</link>", collisions.get(index, "") + "</link>")
+
     root, *others = tree
-    parts = [FIXED_BASE if root == WORLD else link_element(f"body_{root}", link_of(mechanism.bodies[root]))]
+    parts = [FIXED_BASE if root == WORLD else link(root)]
     for index in others:
         joint = mechanism.joint_of[index]
         assert joint is not None  # only roots have none
-        parts += [link_element(f"body_{index}", link_of(mechanism.bodies[index])), joint_element(joint, method)]
+        parts += [link(index), joint_element(joint, method)]
     return "\n".join(['<?xml version="1.0"?>', '<robot name="mechanism">', *parts, "</robot>", ""])
 
 

@@ -18,6 +18,7 @@ both, a ball keeps 0.80. `restitutionVelocityThreshold` is the speed below which
 import weakref
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 
 import numpy as np
 import pybullet
@@ -39,16 +40,21 @@ from bodycheck.adapters.pybullet.worlds import (
     set_state,
 )
 from bodycheck.adapters.stepping import Loop, several
-from bodycheck.adapters.touching import Law, TouchingBody, acting, laws, laws_of_pairs, plane_of, touching_bodies
+from bodycheck.adapters.touching import Law, TouchingBody, acting, laws, laws_of_pairs, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
-from bodycheck.reference.requirements import touches
+from bodycheck.reference.requirements import grips, touches
 from bodycheck.reference.scene import Push, Scene
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that Bullet models.
-MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts", "rolling friction", "torsional friction"})
+MODELS = frozenset(
+    {
+        *("incline", "restitution", "rolling", "rolling friction", "torsional friction", "pushes", "contacts"),
+        "contacts without a plane",
+    }
+)
 
 #: The kinds of scene with these contacts.
 CONTACT: frozenset[Kind] = frozenset({"contact"})
@@ -124,17 +130,24 @@ def built(scene: AnyScene, method: Method) -> Touching:
     chosen = {key: float(value) for key, value in method.options if key in OPTIONS}
     of_body = {key: chosen.pop(key) for key in ("contactProcessingThreshold",) if key in chosen}
     pybullet.setPhysicsEngineParameter(physicsClientId=client, **chosen)
-    ground = add_ground(client, maximal, plane_of(scene), given[WORLD])
-    pybullet.changeDynamics(ground, BASE, physicsClientId=client, **of_body)
+    indices: dict[int, int] = {}
+    if scene.plane is not None:
+        ground = add_ground(client, maximal, scene.plane, given[WORLD])
+        pybullet.changeDynamics(ground, BASE, physicsClientId=client, **of_body)
+        indices[ground] = WORLD
     worlds = []
     for index, (body, arguments) in enumerate(zip(bodies, shapes, strict=True)):
         shape = pybullet.createCollisionShape(**arguments, physicsClientId=client)
         number = pybullet.createMultiBody(body.body.mass, shape, useMaximalCoordinates=maximal, physicsClientId=client)
         worlds.append(world := World(client, number))
-        resisting = moments(between[WORLD, index], given[WORLD].friction, maximal=maximal)
+        on_plane = between.get((WORLD, index))
+        resisting = {} if on_plane is None else moments(on_plane, given[WORLD].friction, maximal=maximal)
         set_properties(world, body.body, named(given[index]) | resisting | of_body, method)
         set_state(world, along_principal_axes(Scene(body.body, body.start)).initial)
-    indices = {ground: WORLD} | {world.body: index for index, world in enumerate(worlds)}
+    indices |= {world.body: index for index, world in enumerate(worlds)}
+    for (one, first), (other, second) in combinations(enumerate(worlds), 2):
+        if (one, other) not in between:
+            pybullet.setCollisionFilterPair(first.body, second.body, BASE, BASE, enableCollision=0, physicsClientId=client)
     touching = Touching(client, tuple(worlds), indices, acting(scene.pushes, method.timestep))
     weakref.finalize(touching, pybullet.disconnect, client)
     return touching
@@ -184,6 +197,8 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     """Return which friction and restitution Bullet has in the place of those of a scene, as `ContactTerms` does."""
     if not touches(scene):
         return ""
+    if grips(scene):
+        return gripped_terms(scene)
     bodies = touching_bodies(scene)
     phrases = [*differences(scene, bodies, "product", MAX_FRICTION), *differing_moments(scene, bodies, method)]
     if any(law.restitution for law in laws(scene)):
@@ -192,13 +207,20 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     return "; ".join(phrases)
 
 
+def gripped_terms(mechanism: Mechanism) -> str:
+    """Return the law that Bullet has in the place of that of bodies on joints and what they touch."""
+    shares = any(pair.cone == "one" for pair in mechanism.contacts)
+    return "a bound of its own for friction and for torsional friction" if shares else ""
+
+
 def differing_moments(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) -> list[str]:
     """Return, as noun phrases, what Bullet has in the place of the rolling and torsional friction of a scene."""
     given, between = coefficients(scene, len(bodies), "product"), laws_of_pairs(scene, len(bodies))
     if not any(law.resists for law in between.values()):
         return []
     maximal = method.integrator == "maximal"
-    resisting = {index: moments(between[WORLD, index], given[WORLD].friction, maximal=maximal) for index in range(len(bodies))}
+    on_plane = {index: law for (one, index), law in between.items() if one == WORLD}
+    resisting = {index: moments(law, given[WORLD].friction, maximal=maximal) for index, law in on_plane.items()}
     phrases = ["a bound of its own for friction, torsional friction, and rolling friction about each of two axes"]
     for what, key, wanted in (
         ("rolling friction", "rollingFriction", {pair: law.rolling_friction for pair, law in between.items()}),

@@ -10,7 +10,7 @@ import pickle
 import signal
 import subprocess
 import time
-from collections import Counter, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from multiprocessing.connection import wait
@@ -96,7 +96,7 @@ class Workers(Generic[Argument, Result]):
     home
         The interpreter and the preparation of the processes of a group.
     kept
-        Whether each group has a single process, which lives until the context ends. Otherwise a group uses any number of free
+        The most processes of each group, which live until the context ends. If it is 0, a group uses any number of free
         processes, and a process ends when `map` has no further calls for it.
     cancelled
         An event that another thread sets when the calls are not needed any more.
@@ -108,10 +108,10 @@ class Workers(Generic[Argument, Result]):
     memory: int = MEMORY_LIMIT_BYTES
     group: Callable[[Argument], Hashable] = _one_group
     home: Callable[[Any], Home] = _here
-    kept: bool = False
+    kept: int = 0
     cancelled: Event = field(default_factory=Event)
     _busy: "list[_Worker]" = field(default_factory=list, init=False)
-    _idle: "dict[Hashable, _Worker]" = field(default_factory=dict, init=False)
+    _idle: "defaultdict[Hashable, list[_Worker]]" = field(default_factory=lambda: defaultdict(list), init=False)
 
     def __enter__(self) -> Self:
         return self
@@ -123,7 +123,8 @@ class Workers(Generic[Argument, Result]):
         """End all processes."""
         self._stop_busy()
         while self._idle:
-            self._idle.popitem()[1].stop()
+            for worker in self._idle.popitem()[1]:
+                worker.stop()
 
     def call(self, argument: Argument) -> Result | Crashed | TimedOut:
         """Call the function and return its result. Raises `Cancelled` if `cancelled` is set."""
@@ -136,7 +137,7 @@ class Workers(Generic[Argument, Result]):
         The generator must be finished or closed before the next call. Raises `Cancelled` at most `POLL_INTERVAL_S` after the
         event.
         """
-        queue = _Queue(arguments, self.group, 1 if self.kept else self.jobs)
+        queue = _Queue(arguments, self.group, self.kept or self.jobs)
         try:
             while queue or self._busy:
                 if self.cancelled.is_set():
@@ -158,8 +159,8 @@ class Workers(Generic[Argument, Result]):
         """Add busy workers while calls need them. Yield the calls for which no process can be started, as failed."""
         while len(self._busy) < self.jobs and queue.wants(self._busy):
             group = queue.group_for(self._busy)
-            if group in self._idle:
-                self._busy.append(self._idle.pop(group))
+            if self._idle[group]:
+                self._busy.append(self._idle[group].pop())
                 self._continue(self._busy[-1], queue)
                 continue
             try:
@@ -174,7 +175,7 @@ class Workers(Generic[Argument, Result]):
         if not (answer.reusable and self._continue(worker, queue)):
             self._busy.remove(worker)
             if answer.reusable and self.kept:
-                self._idle[worker.group] = worker
+                self._idle[worker.group].append(worker)
             else:
                 worker.stop()
         if index is None:

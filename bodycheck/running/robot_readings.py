@@ -124,7 +124,7 @@ def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> It
     limit
         The time limit of the reading of one file by one engine (s).
     """
-    with temporary_folder() as copies, pool.Workers(answered, jobs, limit, group=_engine, home=home, kept=True) as workers:
+    with temporary_folder() as copies, pool.Workers(answered, jobs, limit, group=_engine, home=home, kept=1) as workers:
 
         def read_file(
             file: RobotFile, model: RobotModel | None, states: Sequence[RobotState], gravity: Vector
@@ -237,7 +237,7 @@ def check_shapes(reading: RobotReading, states: int) -> None:
 @contextmanager
 def compiler(limit: float = TIME_LIMIT_S) -> Iterator[Compile]:
     """Provide a function from an MJCF file to the model that MuJoCo, which defines the format, makes of it."""
-    with temporary_folder() as copies, pool.Workers(_compiled, 1, limit, group=_mujoco, home=home, kept=True) as workers:
+    with temporary_folder() as copies, pool.Workers(_compiled, 1, limit, group=_mujoco, home=home, kept=1) as workers:
 
         def compile_file(file: RobotFile) -> RobotModel | Refused | Crashed | TimedOut:
             return workers.call((file, str(copies)))

@@ -110,7 +110,7 @@ def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) ->
     """
     failed: dict[int, Crashed | TimedOut] = {}
     times, processor_times = np.empty((2, len(stretches), rounds))
-    with pool.Workers(_apply, 1, limit, group=lambda call: call[1].engine, home=home, kept=True) as workers:
+    with pool.Workers(_apply, 1, limit, group=lambda call: call[1].engine, home=home, kept=1) as workers:
 
         def measured(index: int, function: Callable[..., Any], *arguments: object) -> Any:
             """Make a call for a stretch, and return its result; None if this call or an earlier call for the stretch failed."""

@@ -53,7 +53,7 @@ def results(function: Any, arguments: Sequence[Any], jobs: int = 1, limit: float
 
 def kept(function: Any, jobs: int = 1, limit: float = LIMIT, **options: Any) -> pool.Workers[Any, Any]:
     """Return workers whose processes are kept from call to call."""
-    return pool.Workers(function, jobs, limit, kept=True, **options)
+    return pool.Workers(function, jobs, limit, kept=1, **options)
 
 
 def test_a_call_does_not_pay_for_an_earlier_one_in_its_process() -> None:
@@ -168,6 +168,13 @@ def test_a_process_is_kept_between_calls_and_replaced_when_it_dies() -> None:
     with kept(whose_process, limit=1.0) as workers:
         call = workers.call
         assert call("hang") == TimedOut(1.0)
+
+
+def test_several_processes_of_a_group_are_kept_from_one_map_to_the_next() -> None:
+    with pool.Workers(whose_process, 2, LIMIT, kept=2, group=lambda name: name[0]) as workers:
+        first, other, again = ({pid for _, pid in workers.map([f"{group}{n}" for n in range(8)])} for group in "aba")
+    assert again <= first
+    assert not first & other
 
 
 def test_calls_without_a_process_say_why_and_harm_no_others(tmp_path: Path) -> None:

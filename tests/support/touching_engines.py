@@ -1,4 +1,7 @@
-"""Measure how an adapter's engine slides, rolls, bounces, bears and pushes bodies, for the tests of each engine."""
+"""Measure how an adapter's engine slides, rolls, bounces, bears and pushes bodies, for the tests of each engine.
+
+The scenes that several engines refuse are here too.
+"""
 
 import math
 from dataclasses import replace
@@ -6,10 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from bodycheck import load
-from bodycheck.adapters.contract import Adapter, InterfaceLoads, Method
-from bodycheck.reference.mechanisms.mechanism import AnyScene
-from bodycheck.reference.scene import Body, Brick, Plane, Push, Scene, Sphere, State
+from bodycheck.adapters import offers
+from bodycheck.adapters.contract import Adapter, InterfaceLoads, Method, Sensing
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
+from bodycheck.reference.scene import Body, Brick, Ellipsoid, Plane, Push, Scene, Sphere, State
 from bodycheck.reference.trajectory import Array
+from tests.support import touching
+from tests.support.sensor_readings import readings
+from tests.support.touching import MASS
 
 GRAVITY = 9.81
 
@@ -70,6 +77,54 @@ def loads_of_stack(adapter: Adapter, spelling: str, timestep: float) -> dict[tup
     steps = round(2 / timestep)
     loads = adapter.interface_loads(load("stack-of-ten").scene, Method.parse(spelling, timestep), steps)
     return {pair: float(load_of_pair[steps // 2 :].mean()) / GRAVITY for pair, load_of_pair in loads.items()}
+
+
+def loads_of_three_balls(adapter: Adapter, spelling: str, timestep: float, steps: int) -> dict[tuple[int, int], float]:
+    """The loads of the pairs of three balls on each other after some steps, over what they bear: the weights above."""
+    assert isinstance(adapter, InterfaceLoads)
+    scene = touching.several([(touching.BALL, (0.0, 0.0, (2 * number + 1) * RADIUS)) for number in range(3)], Plane(0.5))
+    loads = adapter.interface_loads(scene, Method.parse(spelling, timestep), steps)
+    weights = {(WORLD, 0): 3 * MASS * GRAVITY, (0, 1): 2 * MASS * GRAVITY, (1, 2): MASS * GRAVITY}
+    assert loads.keys() == weights.keys()
+    return {pair: float(loads[pair][-1]) / weight for pair, weight in weights.items()}
+
+
+def read_on_two_balls(adapter: Adapter, spelling: str, timestep: float, steps: int) -> Array:
+    """The readings (2, 3) of the forces of contacts on each of two balls, one on the other, after some steps.
+
+    They are over the weight of a ball: each ball at rest has the force that bears its own weight, (0, 0, 1).
+    """
+    assert isinstance(adapter, Sensing)
+    scene = touching.several([(touching.BALL, (0.0, 0.0, RADIUS)), (touching.BALL, (0.0, 0.0, 3 * RADIUS))], Plane(0.5))
+    force = load("sensor-rolling-ball").sensors[-1]
+    sensors = [replace(force, name=f"on {body}", body=body) for body in (0, 1)]
+    sensing = offers.prepare_sensing(adapter, scene, sensors, Method.parse(spelling, timestep))
+    sensing.simulation.advance(np.array([steps]))
+    return np.array(sensing.read()) / (MASS * GRAVITY)
+
+
+def read_on_ramp(adapter: Adapter, spelling: str, friction: bool) -> tuple[Array, Array]:
+    """The last reading (3,) of the force of contacts on a block of 1 kg that slides down a ramp for 0.2 s, and the exact one.
+
+    friction: whether the engine's reading contains friction; otherwise the exact one is the normal force.
+    """
+    seen = readings(adapter, "sensor-block-on-ramp", spelling, 0.002, 100)
+    plane = load("sensor-block-on-ramp").scene.plane
+    assert plane is not None
+    uphill = np.array([-math.cos(plane.incline), 0.0, math.sin(plane.incline)])
+    part = np.array(plane.normal) + (plane.friction * uphill if friction else 0.0)
+    return seen.given["contact"][-1], GRAVITY * math.cos(plane.incline) * part
+
+
+def cube_and_ball() -> AnyScene:
+    """A cube and a ball side by side on a plane, which engines with contacts of spheres alone refuse."""
+    return touching.several([(touching.CUBE, (0.0, 0.0, RADIUS)), (touching.BALL, (1.0, 0.0, RADIUS))], Plane(0.5))
+
+
+def ellipsoid() -> Scene:
+    """An ellipsoid on a plane, a shape that several engines lack."""
+    scene = ball(Plane(0.3))
+    return replace(scene, body=replace(scene.body, shape=Ellipsoid((0.1, 0.1, 0.2))))
 
 
 def pushed(adapter: Adapter, spelling: str, timestep: float) -> Array:

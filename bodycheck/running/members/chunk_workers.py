@@ -106,7 +106,7 @@ class ChunkWorkers:
         return self._stack.enter_context(temporary_folder())
 
     def _new(self, role: Role, engine: str | None, limit: float, memory: int) -> pool.Workers[Any, Any]:
-        return pool.Workers(role.function, 1, limit, memory, lambda _: engine, role.home, kept=True, cancelled=self._cancelled)
+        return pool.Workers(role.function, 1, limit, memory, lambda _: engine, role.home, kept=1, cancelled=self._cancelled)
 
 
 Result = TypeVar("Result")

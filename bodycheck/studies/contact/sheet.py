@@ -18,6 +18,10 @@ from bodycheck.reference.truths import Truth
 #: The tag of the shipped cases that are on the sheet.
 TAG = "contact"
 
+#: The longest duration (s) of the shipped cases that are on the sheet unless cases are named. What `block-rests-on-ramp`
+#: shows in a minute, the probe of creep measures in two seconds.
+LONGEST_S = 10.0
+
 #: The groups of scenes that have settings of their own: a body slides flat on a level plane; bodies touch, and their laws have
 #: no restitution; bodies bounce.
 Group = Literal["plane", "contact", "impact"]
@@ -37,7 +41,8 @@ Known = tuple[float, float]
 
 def scenes() -> tuple[str, ...]:
     """Return the names of the shipped cases that are on the sheet."""
-    return tuple(name for name in shipped() if TAG in load(name).tags)
+    tagged = {name: case for name in shipped() if TAG in (case := load(name)).tags}
+    return tuple(name for name, case in tagged.items() if case.duration <= LONGEST_S)
 
 
 def group_of(case: Case) -> Group:

@@ -8,6 +8,7 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, get_args
 
@@ -18,7 +19,6 @@ from bodycheck.adapters.roles import aliases, spelled
 from bodycheck.casefile.content import Case
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.schemes.run_classes import TRUTHS_KEPT
-from bodycheck.processes import pool
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results import resumption
 from bodycheck.results.key import RunKey
@@ -29,7 +29,7 @@ from bodycheck.running.instants import default_timestep
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.roles import method_in_role, methods_of, refuse_timesteps
 from bodycheck.studies.contact.calls import ProbeCall, group, make
-from bodycheck.studies.contact.measuring import Bench, Measured, is_lost, of_sheet
+from bodycheck.studies.contact.measuring import Bench, Measured, Workers, is_lost, of_sheet
 from bodycheck.studies.contact.probes import BY_NAME, PROBES
 from bodycheck.studies.contact.rows import RECORDS, ContactRow, PropertyRow, Setting, SettingRow, Sheet
 from bodycheck.studies.contact.search import Best, Errors, search
@@ -130,21 +130,27 @@ def evaluated(
     """
     cases = tuple(results.cases.values())
     work = (cases, sorted(engines), named, tuple(BY_NAME))
-    with (
-        resumption.opened(results.folder / RECORDS, results.header, *work, lost=is_lost, what="search") as log,
-        pool.Workers(make, jobs, TIME_LIMIT_S, group=group, home=places.home) as workers,
-    ):
-        bench = Bench(results, log, workers, quiet)
+    with resumption.opened(results.folder / RECORDS, results.header, *work, lost=is_lost, what="search") as log:
+        bench = Bench(results, log, _workers(jobs), quiet)
         bench.recall()
         for verdict in verdicts:
             bench.runs[_key(verdict)] = _measured(verdict)
-        sheets = [_of_engine(bench, name, engine, cases, named) for name, engine in engines.items()]
+        sheets = []
+        for name, engine in engines.items():
+            # The processes of an engine keep what it has compiled from one stage of the search to the next, and end with it.
+            with _workers(jobs) as workers:
+                sheets.append(_of_engine(replace(bench, workers=workers), name, engine, cases, named))
         by_case = {case.name: number for number, case in enumerate(cases)}
         figures = sorted((row for sheet in sheets for row in sheet.figures), key=lambda row: by_case[row.scene])
         settings, properties = (
             [row for sheet in sheets for row in getattr(sheet, part)] for part in ("settings", "properties")
         )
         yield Sheet(figures, settings, properties)
+
+
+def _workers(jobs: int) -> Workers:
+    """Return worker processes, up to `jobs` of the engine and as many of truths, which live from stage to stage."""
+    return Workers(make, jobs, TIME_LIMIT_S, group=group, home=places.home, kept=jobs)
 
 
 def _of_engine(

@@ -246,7 +246,7 @@ def _rows(study: Study, log: Journal, versions: Mapping[str, str], jobs: int, li
         progress("", len(rows))
     left = [trial for trial in study.trials if trial.key not in rows]
     flying = pool.Workers(_try, jobs, limit, group=lambda trial: trial.engine, home=home)
-    with flying, pool.Workers(_follow, 1, limit, kept=True) as following:
+    with flying, pool.Workers(_follow, 1, limit, kept=1) as following:
         for trial, answer in flying.map(left):
             row = _row(trial, versions[trial.engine], answer, following.call)
             log.add({"record": "run", "row": asdict(row)})

@@ -246,7 +246,7 @@ def results(
     asked, work = study.asked, (study, tuple(known))
     with resumption.opened(folder / RECORDS, head, *work, lost=_is_lost, asked=asdict(asked), revisions=REVISIONS) as log:
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
-        with pool.Workers(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home, kept=True) as workers:
+        with pool.Workers(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home, kept=1) as workers:
             by_method = _search(study, probes, log, workers, progress)
         answers = priced(
             case,

@@ -161,7 +161,7 @@ def rows(
         A function that is called with a text after each batch.
     """
     batch_rows = []
-    with pool.Workers(run, 1, campaign.TIME_LIMIT_S, group=lambda batch: batch.engine, home=home, kept=True) as workers:
+    with pool.Workers(run, 1, campaign.TIME_LIMIT_S, group=lambda batch: batch.engine, home=home, kept=1) as workers:
         for batch in batches:
             ran = workers.call(batch)
             truth = results.truth(batch.case.name, batch.method.sampling)

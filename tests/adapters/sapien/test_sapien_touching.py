@@ -1,17 +1,12 @@
 """Bodies that touch in SAPIEN: they slide, roll, rest and are pushed as in mechanics, and bounce above a threshold."""
 
-import math
-from dataclasses import replace
-
-import numpy as np
 import pytest
 
 from bodycheck import load
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import ContactTerms, Method, SceneUnsupported
-from bodycheck.reference.scene import Ellipsoid, Plane
+from bodycheck.reference.scene import Plane
 from tests.support import touching_engines as measured
-from tests.support.sensor_readings import readings
 
 SAPIEN = registry.load("sapien")
 SOLVERS = ("PGS", "TGS")
@@ -66,16 +61,13 @@ def test_what_physx_is_given_instead_is_named() -> None:
 
 
 def test_a_shape_that_sapien_lacks_is_refused() -> None:
-    scene = measured.ball(Plane(0.3))
-    given = replace(scene, body=replace(scene.body, shape=Ellipsoid((0.1, 0.1, 0.2))))
     with pytest.raises(SceneUnsupported, match="none of SAPIEN's shapes"):
-        SAPIEN.prepare([given], Method.parse("TGS", 1e-3))
+        SAPIEN.prepare([measured.ellipsoid()], Method.parse("TGS", 1e-3))
 
 
 def test_a_sensor_reads_the_normal_force_of_contacts_on_a_ramp() -> None:
-    seen = readings(SAPIEN, "sensor-block-on-ramp", "TGS", 0.002, 100)
-    normal = 9.81 * math.cos(0.5) * np.array([math.sin(0.5), 0.0, math.cos(0.5)])
-    assert seen.given["contact"][-1] == pytest.approx(normal, abs=0.02 * 9.81)
+    given, exact = measured.read_on_ramp(SAPIEN, "TGS", friction=False)
+    assert given == pytest.approx(exact, abs=0.02 * measured.GRAVITY)
 
 
 def test_a_patch_brakes_a_spin_by_the_coefficient_of_torsional_friction() -> None:

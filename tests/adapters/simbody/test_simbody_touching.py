@@ -1,20 +1,14 @@
 """Bodies that touch in Simbody: they slide, roll, bounce, rest and are pushed, and sensors read the forces of contacts."""
 
-import math
-from dataclasses import replace
-
-import numpy as np
 import pytest
 
 from bodycheck import load
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import ContactTerms, InterfaceLoads, Method, SceneUnsupported
+from bodycheck.adapters.contract import ContactTerms, Method, SceneUnsupported
 from bodycheck.adapters.simbody.contact import SINKING
-from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.scene import Plane
 from tests.support import touching_engines as measured
-from tests.support.sensor_readings import readings
-from tests.support.touching import BALL, CUBE, GRAVITY, MASS, RADIUS, several
+from tests.support.touching import GRAVITY
 
 SIMBODY = registry.load("simbody")
 METHODS = ("RungeKuttaMerson", "RungeKutta3:settings=engine")
@@ -51,38 +45,22 @@ def test_a_push_acts_from_its_start_to_its_end_at_its_point(method: str) -> None
 
 
 def test_the_loads_of_balls_on_each_other_are_the_weights_above() -> None:
-    assert isinstance(SIMBODY, InterfaceLoads)
-    scene = several([(BALL, (0.0, 0.0, (2 * number + 1) * RADIUS)) for number in range(3)], Plane(0.5))
-    loads = SIMBODY.interface_loads(scene, Method.parse(METHODS[0], 2e-3), 200)
-    last = {pair: float(load_of_pair[-1]) for pair, load_of_pair in loads.items()}
-    weight = MASS * GRAVITY
     # Critically damped contacts of three balls have settled to a thousandth after 0.4 s.
-    assert last == pytest.approx({(WORLD, 0): 3 * weight, (0, 1): 2 * weight, (1, 2): weight}, rel=1e-3)
+    for part in measured.loads_of_three_balls(SIMBODY, METHODS[0], 2e-3, 200).values():
+        assert part == pytest.approx(1, rel=1e-3)
 
 
 def test_a_sensor_reads_the_force_of_contacts_on_a_ramp() -> None:
-    seen = readings(SIMBODY, "sensor-block-on-ramp", METHODS[0], 0.002, 100)
-    plane = load("sensor-block-on-ramp").scene.plane
-    assert plane is not None
-    along, weight = np.array([math.cos(plane.incline), 0.0, -math.sin(plane.incline)]), GRAVITY * math.cos(plane.incline)
     # The contact has settled, and friction has its coefficient while the block slides.
-    assert seen.given["contact"][-1] == pytest.approx(
-        weight * (np.array(plane.normal) - plane.friction * along), abs=1e-3 * GRAVITY
-    )
+    given, exact = measured.read_on_ramp(SIMBODY, METHODS[0], friction=True)
+    assert given == pytest.approx(exact, abs=1e-3 * GRAVITY)
 
 
 def test_a_sensor_on_the_second_of_two_balls_reads_what_bears_it() -> None:
     """The force of a contact is on the first of its two balls, and the other one gets its opposite."""
-    scene = several([(BALL, (0.0, 0.0, RADIUS)), (BALL, (0.0, 0.0, 3 * RADIUS))], Plane(0.5))
-    case = replace(load("sensor-rolling-ball"), scene=scene)
-    sensors = [replace(case.sensors[-1], name=f"on {body}", body=body) for body in (0, 1)]
-    simulation = SIMBODY.prepare_sensing(scene, sensors, Method.parse(METHODS[0], 5e-4))  # type: ignore[attr-defined]
-    simulation.simulation.advance(np.array([800]))
     # Friction below the transition speed is so stiff that it needs steps of less than 1 ms.
-    weight = np.array([0.0, 0.0, MASS * GRAVITY])
-    # Both balls are at rest, so that each has the force that bears its own weight.
-    for force in simulation.read():
-        assert force == pytest.approx(weight, abs=1e-3 * MASS * GRAVITY)
+    for force in measured.read_on_two_balls(SIMBODY, METHODS[0], 5e-4, 800):
+        assert force == pytest.approx([0, 0, 1], abs=1e-3)
 
 
 def test_what_simbody_is_given_instead_is_named() -> None:
@@ -98,8 +76,6 @@ def test_what_simbody_is_given_instead_is_named() -> None:
 
 def test_shapes_without_contacts_are_refused() -> None:
     with pytest.raises(SceneUnsupported, match="none of a body of the shape brick among several bodies"):
-        SIMBODY.prepare(
-            [several([(CUBE, (0.0, 0.0, RADIUS)), (BALL, (1.0, 0.0, RADIUS))], Plane(0.5))], Method.parse(METHODS[0], 1e-3)
-        )
+        SIMBODY.prepare([measured.cube_and_ball()], Method.parse(METHODS[0], 1e-3))
     with pytest.raises(SceneUnsupported, match="none of a body of the shape cylinder"):
         SIMBODY.prepare([load("falling-rod").scene], Method.parse(METHODS[0], 1e-3))

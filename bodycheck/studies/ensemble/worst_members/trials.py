@@ -70,7 +70,7 @@ Trials = Callable[[str, Method, Sequence[Case]], list[Tried]]
 @contextlib.contextmanager
 def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
     """Provide a function that tries cases, whose processes are kept until the context ends. limit: the time (s) for a block."""
-    with pool.Workers(_carry_out, 1, limit, group=_group, home=engines.home, kept=True) as workers:
+    with pool.Workers(_carry_out, 1, limit, group=_group, home=engines.home, kept=1) as workers:
 
         def tried(engine: str, method: Method, cases: Sequence[Case]) -> list[Tried]:
             runs = _asked(workers.call, lambda some: _Runs(engine, method, tuple(some)), cases)
