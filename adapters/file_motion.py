@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bodycheck.adapters.contract import EngineDiverged, EngineReset, Method
 from bodycheck.adapters.robot_reading import RobotFile
@@ -218,7 +219,7 @@ def strides(times: Array, timestep: float) -> list[int]:
     return [int(steps) for steps in np.diff(np.rint(times / timestep), prepend=0.0)]
 
 
-def nudged(values: Sequence[float] | Array) -> Array:
+def nudged(values: ArrayLike) -> Array:
     """Return values that are larger by one rounding, by 1.1e-16 where that is more; in single precision, by 6e-8."""
     array = np.asarray(values)
     if array.dtype != np.float32:

@@ -54,8 +54,8 @@ def run_file(file: RobotFile, run: FileRun) -> FileMotion:
         mujoco.mj_forward(compiled, data)
         worlds, graph = _stepper(compiled, data)
         if run.nudged:  # a change of one rounding in double precision vanishes in single precision
-            worlds.qpos.assign(nudged(np.float32(worlds.qpos.numpy())))
-            worlds.qvel.assign(nudged(np.float32(worlds.qvel.numpy())))
+            worlds.qpos.assign(nudged(worlds.qpos.numpy().astype(np.float32)))
+            worlds.qvel.assign(nudged(worlds.qvel.numpy().astype(np.float32)))
 
         def step(count: int) -> None:
             worlds.ctrl.assign(data.ctrl[None].astype(np.float32))

@@ -270,9 +270,7 @@ def _causes(asked: Asked, records: Mapping[str, Engine]) -> dict[str, str]:
 
 def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, _Limit | None]:
     """Return the results of one engine, and its limit."""
-    with pool.Workers(
-        refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=1
-    ) as workers:
+    with pool.Workers(refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=1) as workers:
         clock = _Clock(workers, time.monotonic() + START_S)
         facts = _facts(asked, name, record, clock)
         if isinstance(facts, Ended):

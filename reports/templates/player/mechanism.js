@@ -1,4 +1,5 @@
-// The player of a mechanism: pictures of all its bodies in motion, with the truth and the runs side by side. It is made in a
+// The player of a mechanism: pictures of all its bodies in motion, with the truth (or, where there is none, the motion that the
+// label of `truth` in the data names) and the runs side by side. It is made in a
 // `figure` from the data that reports/runs/motions/several_bodies.py stores. Lengths are in units of the extent of the pictures.
 // Uses all other files of this folder except player.js.
 
@@ -85,23 +86,26 @@ const mechanismPicture = (data) => {
   return { picture, draw };
 };
 
-const mechanismLegend = ({ within, bodies, driven, follows, known, end }) => {
+const labelOf = ({ label }) => label ?? "the truth";
+
+const mechanismLegend = ({ within, bodies, driven, follows, known, end, truth }) => {
+  const exact = labelOf(truth);
   const legend = html("p", { class: "note key" });
   const explain = (kind, d, words) =>
     legend.append(html("span", {}, svg("svg", { viewBox: "0 0 26 12", class: "drawing sign", "aria-hidden": "true" }, svg("path", { class: kind, d })), html("span", {}, words)));
   if (bodies.some(({ sticks }) => sticks.length)) explain("stick sample", "M2 9 13 3 24 9", "body without a shape, along its links");
   if (bodies.some(({ joints }) => joints.length)) explain("pin", "M13 6h0", "joint");
-  explain("ghost", "M3 2H23V10H3Z", "bodies of the truth");
+  explain("ghost", "M3 2H23V10H3Z", `bodies of ${exact}`);
   if (driven.some(({ target }) => target)) explain("target", "M2 9 13 3 24 9", "bodies at the targets of their joints");
   if (driven.some(({ stops }) => stops)) explain("stop", "M9 1V11M17 1V11", "stops of joints");
   if (known < end) legend.append(html("span", {}, `Mechanics gives no motion ${known < 0 ? "" : `after ${number(known, 3)} s`}, and no body of the truth is drawn then.`));
-  if (follows) legend.append(html("span", {}, "Pictures follow the centre of mass of the truth."));
-  legend.append(html("span", {}, `Attitudes are drawn to within ${within} rad. A method that is closer to the truth than this is drawn like the truth.`));
+  if (follows) legend.append(html("span", {}, `Pictures follow the centre of mass of ${exact}.`));
+  legend.append(html("span", {}, `Attitudes are drawn to within ${within} rad. A method that is closer to ${exact} than this is drawn like it.`));
   return legend;
 };
 
 const buildMechanism = (figure, data) => {
-  const truth = { label: "the truth", colour: TRUTH, parts: partsOf(data.truth) };
+  const truth = { label: labelOf(data.truth), colour: TRUTH, parts: partsOf(data.truth) };
   // A run without its own parts moves as the truth does.
   const runs = data.runs.map((run) => ({ ...run, isAlike: !run.parts, parts: partsOf(run) ?? truth.parts }));
   const shown = shownIn(figure, data).map((k) => runs[k]);
