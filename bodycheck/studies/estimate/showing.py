@@ -78,7 +78,7 @@ def animation(engine: str, timestep: float, known: Sequence[Refined], samples: A
         "extent": extent,
         "within": tracks.TOLERANCE,
         "end": end,
-        "truth": {"label": f"the finest run, {milliseconds(finest.timestep)}", "parts": truth},
+        "truth": {"label": f"the finest run ({milliseconds(finest.timestep)})", "parts": truth},
         "runs": runs,
         "shown": list(range(len(runs))),
     }
