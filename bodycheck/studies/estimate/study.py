@@ -228,7 +228,7 @@ def _limit(asked: Asked, known: Sequence[Refined]) -> _Limit | None:
     """Return the finest run of the method whose finest run has the smallest error; None if no finest run has an estimate."""
     limits = []
     for refined_method in known:
-        errors = {}
+        errors: dict[str, float] = {}
         for quantity in refined_method.levels.quantities:
             reference = refined_method.assessed(quantity, asked.duration)
             if not isinstance(reference, str) and quantity not in OF_ONE_RUN:
