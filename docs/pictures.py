@@ -1,17 +1,13 @@
-"""Take the pictures of the README and of the gallery, in light and dark.
+"""Take the pictures of the gallery, in light and dark.
 
-    bodycheck run --engine mujoco --engine pinocchio --out results
-    python docs/pictures.py readme results/report.html
     make docs
-    python docs/pictures.py gallery build/docs
+    python docs/pictures.py build/docs
 
-The first one writes docs/images/matrix-player-SCHEME.png, the matrix of a report beside the player of one of its cases, and the
-other one docs/gallery/images/NAME-SCHEME.png, the first chart of each notebook without its text. Both need Playwright and a
-Chromium on the path.
+It writes docs/gallery/images/NAME-SCHEME.png, the first chart of each notebook without its text, and needs Playwright and a
+Chromium on the path. The picture of the front page is drawn by docs/flip_picture.py.
 """
 
 import argparse
-import base64
 import sys
 from pathlib import Path
 from typing import Any, Literal
@@ -41,54 +37,6 @@ CROP = """() => {
   svg.setAttribute("preserveAspectRatio", "none");
 }"""
 
-#: The case whose player is shown, and the style of both parts: numbers in one line, no further time steps, no legend.
-CASE = "intermediate-axis-flip"
-PLAIN = """
-#matrix td a { white-space: nowrap; }
-#matrix td a.other, .player .controls ~ * { display: none !important; }
-"""
-
-#: What is shown side by side: a heading, the element of the report, and the width of the window that it is taken in, in pixels.
-PARTS = (
-    ("Free flight of a turning body: largest attitude error, rad", "#matrix table", 850),
-    ("One case, after ten seconds: a brick spun about its intermediate axis", f"#case-{CASE} .player", 800),
-)
-
-#: The width of the picture in pixels, and its style.
-WIDTH = 1640
-SIDE_BY_SIDE = """
-body { margin: 0; font: bold 17px sans-serif; }
-main { padding: 24px; display: flex; justify-content: space-between; }
-img { display: block; margin-top: 20px; }
-"""
-
-
-def taken(page: Any, selector: str) -> str:
-    """Return the address of a picture of the first such element of a page (Playwright's Page), which contains the picture."""
-    part = page.locator(selector).first
-    part.scroll_into_view_if_needed()
-    part.locator("svg, td").first.wait_for()
-    return "data:image/png;base64," + base64.b64encode(part.screenshot()).decode("ascii")
-
-
-def readme(browser: Any, report: Path) -> None:
-    """Take the first matrix of a report and the player of a case, and put them side by side."""
-    for scheme in SCHEMES:
-        parts = []
-        for heading, selector, width in PARTS:
-            page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
-            page.goto(f"{report.resolve().as_uri()}#case-{CASE}")  # a case that is named is unfolded
-            page.add_style_tag(content=PLAIN)
-            parts.append(f'<div>{heading}<img src="{taken(page, selector)}"></div>')
-            ground, ink = (page.evaluate(f"getComputedStyle(document.body).{name}") for name in ("backgroundColor", "color"))
-            page.close()
-        page = browser.new_page(viewport={"width": WIDTH, "height": 900})
-        style = f"{SIDE_BY_SIDE} main {{ background: {ground}; color: {ink}; }}"
-        page.set_content(f"<style>{style}</style><main>{''.join(parts)}</main>")
-        page.wait_for_function("[...document.images].every((image) => image.complete && image.naturalWidth)")
-        save(page.locator("main"), DOCS / "images" / f"matrix-player-{scheme}.png")
-        page.close()
-
 
 def gallery(browser: Any, built: Path) -> None:
     """Take the first chart of each notebook from the documentation that was built."""
@@ -110,12 +58,11 @@ def save(part: Any, path: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Take the pictures of the README and of the gallery, in light and dark.")
-    parser.add_argument("pictures", choices=("readme", "gallery"))
-    parser.add_argument("source", type=Path, help="the report of a run, or the folder of the built documentation")
+    parser = argparse.ArgumentParser(description="Take the pictures of the gallery, in light and dark.")
+    parser.add_argument("built", type=Path, help="the folder of the built documentation")
     options = parser.parse_args()
-    if not options.source.exists():
-        parser.error(f"{options.source} does not exist")
+    if not options.built.exists():
+        parser.error(f"{options.built} does not exist")
 
     sys.path.insert(0, str(DOCS.parent))
     from playwright.sync_api import sync_playwright
@@ -126,7 +73,7 @@ def main() -> None:
         parser.error("there is no chromium on the path")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
-        (readme if options.pictures == "readme" else gallery)(browser, options.source)
+        gallery(browser, options.built)
         browser.close()
 
 

@@ -15,13 +15,25 @@ from tests.support.documents import blocks
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 
 #: Folders of the repository; a document that names a file in one of them names a file that exists.
-FOLDERS = ("adapters", "benchmarks", "bodycheck", "cases", "claims", "docs", "reference", "reports", "tests")
+FOLDERS = (
+    *("adapters", "benchmarks", "bodycheck", "cases", "claims", "distribution", "docs", "reference", "reports", "submissions"),
+    "tests",
+)
+
+#: Pages for those who change bodycheck. They name files and folders from some room on, such as `pool.py`, and modules.
+FOR_DEVELOPERS = ("CONTRIBUTING.md", "docs/architecture.md", "docs/decisions.md", "docs/howto/add-a-joint-type.md")
+
+#: Files that bodycheck or its build writes.
+WRITTEN = ("dist/",)
+
+#: Documents with wider lines of code: tables of proofs and what scripts print.
+WIDE = ("docs/proved.md", "docs/truth.md", "docs/claims.md", "docs/chapter-figures.md", "CHANGELOG.md")
 
 #: The words for numbers.
 NUMBERS = {9: "nine", 10: "ten", 11: "eleven", 12: "twelve", 13: "thirteen", 14: "fourteen", 15: "fifteen"}
 
 #: Names in documents that stand for names which readers choose.
-PLACEHOLDERS = ("NAME", "my-case", "thrown-phone")
+PLACEHOLDERS = ("NAME", "ENGINE", "my-case", "thrown-phone")
 
 
 @functools.cache
@@ -52,6 +64,48 @@ def test_paths_name_files(document: Path) -> None:
         # Tables of contents have pages without the ending, from their own folder on.
         there = (ROOT / path).exists() or (document.parent / f"{path}.md").exists()
         assert there or any(word in path for word in PLACEHOLDERS), path
+
+
+@functools.cache
+def files() -> tuple[str, ...]:
+    """The paths of all files and folders of the repository from its root on, the latter with a slash at their end."""
+    found = [*ROOT.glob("*.py"), *(ROOT / folder for folder in FOLDERS)]
+    found += [path for folder in FOLDERS for path in (ROOT / folder).rglob("*") if "__pycache__" not in path.parts]
+    return tuple(f"/{path.relative_to(ROOT).as_posix()}{'/' * path.is_dir()}" for path in found)
+
+
+@pytest.mark.parametrize("name", FOR_DEVELOPERS)
+def test_files_and_modules_of_pages_for_developers_exist(name: str) -> None:
+    text = (ROOT / name).read_text("utf-8")
+    named = set(re.findall(r"`((?:[\w-]+/)*(?:[\w-]+\.py|[\w-]+/))`", text)) - set(WRITTEN)
+    assert len(named) > 5
+    rooms = [folder.name for folder in (ROOT / "bodycheck").iterdir() if folder.is_dir()]
+    modules = re.findall(rf"`((?:{'|'.join(rooms)})(?:\.[a-z_]+)+)`", text)
+    named |= {f"{module.replace('.', '/')}.py" for module in modules if not module.endswith((".py", ".json", ".parquet"))}
+    missing = [path for path in sorted(named) if not any(known.endswith(f"/{path}") for known in files())]
+    assert [path for path in missing if not any(word in path for word in PLACEHOLDERS)] == []
+
+
+def code_lines(document: Path) -> list[str]:
+    """The lines of the blocks of code of a document, without those of Sphinx."""
+    found, fence, is_code = [], "", False
+    for line in document.read_text("utf-8").splitlines():
+        if not fence:
+            opened = re.match(r"\s*(`{3,}|:{3,})\{?([\w-]*)", line)
+            if opened and "`" in opened[1]:
+                fence, is_code = opened[1], not re.match(r"\s*`+\{(?!code)", line)
+        elif line.strip() == fence:
+            fence = ""
+        elif is_code:
+            found.append(line)
+    return found
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_lines_of_code_have_80_columns(document: Path) -> None:
+    """So that they fit into the column of the built page at 1280 pixels, and into a terminal."""
+    if document.relative_to(ROOT).as_posix() not in WIDE:
+        assert [line for line in code_lines(document) if len(line) > 80] == []
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)

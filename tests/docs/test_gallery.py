@@ -4,7 +4,7 @@ import ast
 import contextlib
 import io
 import re
-import struct
+import runpy
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,7 +13,6 @@ from xml.etree import ElementTree
 
 import pytest
 
-from bodycheck.interface.plots import SIZE_IN_PNG
 from docs.gallery.showing import terminal
 from tests.support import ROOT
 from tests.support.processes import calls_here
@@ -91,13 +90,16 @@ def test_every_notebook_has_a_card_with_pictures() -> None:
             assert (GALLERY / "images" / f"{name}-{scheme}.png").stat().st_size < 40_000
 
 
-def test_the_pictures_of_the_readme_are_large_enough_to_read_and_small_enough_to_load() -> None:
-    for scheme in ("light", "dark"):
-        picture = (ROOT / "docs" / "images" / f"matrix-player-{scheme}.png").read_bytes()
-        width, height = struct.unpack(">II", picture[SIZE_IN_PNG])
-        assert 1500 < width < 1700
-        assert height < width / 2
-        assert len(picture) <= 250_000
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_picture_of_the_front_page_has_the_present_numbers_in_letters_that_a_telephone_shows(scheme: str) -> None:
+    text = (ROOT / "docs" / "images" / f"flip-{scheme}.svg").read_text("utf-8")
+    drawn = runpy.run_path(str(ROOT / "docs" / "flip_picture.py"))["picture"](scheme)
+    words, drawn_words = (re.findall(r"<text[^>]*>([^<]*)<", each) for each in (text, drawn))
+    assert words == drawn_words
+    assert len(words) == 6
+    # A telephone shows the picture in 358 pixels, where letters of 12 pixels can be read.
+    (width,), (letters,) = (map(int, re.findall(pattern, text)) for pattern in (r"viewBox=\"0 0 (\d+)", r"font-size=\"(\d+)"))
+    assert letters * 358 / width >= 12
 
 
 @pytest.mark.usefixtures("_gallery")

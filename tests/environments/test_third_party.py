@@ -1,4 +1,4 @@
-"""The engine of another package, as docs/howto/write-an-adapter.md shows it, has everything that those of bodycheck have."""
+"""The engine of another package, as docs/howto/write-an-adapter.md shows it, has all that the engines of bodycheck have."""
 
 import json
 import shlex
