@@ -12,8 +12,7 @@ from bodycheck.site import links
 from bodycheck.site.answers import Answer
 from bodycheck.site.catalogue import Catalogue, Scene
 from bodycheck.site.cells import Cell
-from bodycheck.site.costs import standings
-from bodycheck.site.costs.standings import Priced, Standing
+from bodycheck.site.costs.standings import Costs, Priced, Standing
 from bodycheck.site.engine_facts import MethodFacts, properties
 from bodycheck.site.front import method
 from bodycheck.site.telling import Piece, Sentence, ordinal
@@ -29,14 +28,17 @@ MOST_NAMED = 3
 Found = Sequence[tuple[Scene, Cell]]
 
 
-def advice(catalogue: Catalogue, engine: str, found: Found, methods: Sequence[MethodFacts]) -> Iterator[Answer]:
+def advice(
+    catalogue: Catalogue, engine: str, found: Found, methods: Sequence[MethodFacts], costs: Sequence[Costs]
+) -> Iterator[Answer]:
     """Yield what to use an engine for, what to mind, and what its contacts do, each if anything is known of it.
 
-    found: the cell of each scene. methods: the facts about its methods.
+    found: the cell of each scene. methods: the facts about its methods. costs: accuracy against cost, by scene, those first that
+    say most; see `standings.shown`.
     """
     ran = [(scene, cell) for scene, cell in found if cell.value is not None]
     if ran:
-        yield Answer("Use it for", (*_within(ran), *_best(catalogue, engine, methods)))
+        yield Answer("Use it for", (*_within(ran), *_best(engine, methods, costs)))
     if minded := (*_worst(ran), *_endings(found)):
         yield Answer("Mind", minded)
     yield Answer("Contact", _contact(catalogue, engine, found))
@@ -58,14 +60,14 @@ def _within(ran: Found) -> Sentence:
     )
 
 
-def _best(catalogue: Catalogue, engine: str, methods: Sequence[MethodFacts]) -> Sentence:
+def _best(engine: str, methods: Sequence[MethodFacts], costs: Sequence[Costs]) -> Sentence:
     """Return which method is the most accurate at the cost of the own one, in the scene that says most about costs."""
     found = next(
         (
-            (costs.scene, one)
-            for costs in standings.shown(catalogue)
-            for one in costs.standings
-            if one.engine == engine and costs.scene.kind.name != CONTACT
+            (of_scene.scene, one)
+            for of_scene in costs
+            for one in of_scene.standings
+            if one.engine == engine and of_scene.scene.kind.name != CONTACT
         ),
         None,
     )
@@ -107,10 +109,11 @@ def _worst(ran: Found) -> Sentence:
     if not free:
         return ()
     scene, cell = max(free, key=lambda one: one[1].value or 0.0)
-    assert cell.run is not None and cell.value is not None  # the scene has an error
+    assert cell.run is not None  # the scene has an error
+    assert cell.value is not None
     return (
         Piece(
-            f"{method(cell.run)} is off by more than {number(ENOUGH)} in {count(len(free), 'scene')} without contact, most in "
+            f"{method(cell.run)} is off by more than {number(ENOUGH)} rad or m in {count(len(free), 'scene')} without contact, most in "
         ),
         Piece(scene.name, links.scene(scene.name)),
         Piece(", by "),
