@@ -33,12 +33,12 @@ def advice(
 ) -> Iterator[Answer]:
     """Yield what to use an engine for, what to mind, and what its contacts do, each if anything is known of it.
 
-    found: the cell of each scene. methods: the facts about its methods. costs: accuracy against cost, by scene, those first that
-    say most; see `standings.shown`.
+    found: the cell of each scene. methods: the facts about its methods. costs: accuracy against cost by scene, with those first
+    that say most; see `standings.shown`.
     """
     ran = [(scene, cell) for scene, cell in found if cell.value is not None]
     if ran:
-        yield Answer("Use it for", (*_within(ran), *_best(engine, methods, costs)))
+        yield Answer("Use it for", (*_best(engine, methods, costs), *_within(ran)))
     if minded := (*_worst(ran), *_endings(found)):
         yield Answer("Mind", minded)
     yield Answer("Contact", _contact(catalogue, engine, found))
@@ -54,7 +54,7 @@ def _within(ran: Found) -> Sentence:
             amount = sum(scene.kind is kind for scene, _ in close)
             parts.append(f"{amount} of {len(own)} ({kind.title[0].lower()}{kind.title[1:]})")
     return (
-        Piece(f"Its own method stays within {number(ENOUGH)} rad or m in "),
+        Piece(f" Its own method stays within {number(ENOUGH)} rad or m in "),
         Piece(f"{len(close)} of {count(len(ran), 'scene')}", "#scenes"),
         Piece(f": {listing(parts)}."),
     )
@@ -77,7 +77,7 @@ def _best(engine: str, methods: Sequence[MethodFacts], costs: Sequence[Costs]) -
     unit = scene.quantity.unit
     if one.best is one.own:
         return (
-            Piece(f" Of {count(len(one.runs), 'method')} in "),
+            Piece(f"Of {count(len(one.runs), 'method')} in "),
             Piece(scene.name, links.scene(scene.name)),
             Piece(f", none is more accurate at the cost of {method(one.own.run)}, which is off by "),
             *(_error(one.own, unit), Piece(f" and takes {_time(one.own)} for a second of motion.")),
@@ -86,7 +86,7 @@ def _best(engine: str, methods: Sequence[MethodFacts], costs: Sequence[Costs]) -
     order = next((fact.claimed for fact in methods if fact.name == one.best.run.method[0] and fact.claimed), None)
     told = f", a method of {ordinal(order)} order" if order else ""
     return (
-        Piece(f" At no more than the cost of its own method take {method(one.best.run)}{told}: in "),
+        Piece(f"At no more than the cost of its own method take {method(one.best.run)}{told}: in "),
         *(Piece(scene.name, links.scene(scene.name)), Piece(" it is off by "), _error(one.best, unit)),
         Piece(f" for {_time(one.best)} of computing a second of motion, and {method(one.own.run)} by "),
         *(_error(one.own, unit), Piece(f" for {_time(one.own)}.")),
@@ -112,9 +112,8 @@ def _worst(ran: Found) -> Sentence:
     assert cell.run is not None  # the scene has an error
     assert cell.value is not None
     return (
-        Piece(
-            f"{method(cell.run)} is off by more than {number(ENOUGH)} rad or m in {count(len(free), 'scene')} without contact, most in "
-        ),
+        Piece(f"{method(cell.run)} is off by more than {number(ENOUGH)} rad or m in {count(len(free), 'scene')} "),
+        Piece("without contact, most in "),
         Piece(scene.name, links.scene(scene.name)),
         Piece(", by "),
         Piece(f"{number(cell.value, 2)} {scene.quantity.unit}", links.row(cell.run)),

@@ -262,7 +262,7 @@ def _value(run: Entry, scene: Scene) -> str:
 def method(run: Entry) -> str:
     """Return the method of a run in words."""
     integrator, timestep = run.method
-    return f"{integrator} at {milliseconds(timestep)}" if timestep is not None else integrator
+    return f"{integrator} at {milliseconds(timestep, 4)}" if timestep is not None else integrator
 
 
 def in_words(change: Change) -> str:
