@@ -65,8 +65,8 @@ COMMANDS: dict[str, tuple[str, ...]] = {
         for name, versions in RELEASES.items()
         for one in versions
     },
-    "tradeoff": ("tradeoff", "osrf-boxes-complex", "intermediate-axis-flip", "--engine", "mujoco", "--engine", "pinocchio"),
-    "contact": ("contact", "mujoco", "pinocchio"),
+    "tradeoff": ("tradeoff", "osrf-boxes-complex", "intermediate-axis-flip", "double-pendulum"),
+    "contact": ("contact",),
     "audit": ("audit",),
     "ensemble": ("ensemble", "ensemble-of-bricks", "--engine", "mujoco", "--engine", "pinocchio"),
     **{

@@ -9,7 +9,7 @@ from bodycheck.site import links
 from bodycheck.site.catalogue import Catalogue, Entry
 from bodycheck.site.costs.standings import Costs, Priced
 from bodycheck.site.engine_facts import newest
-from bodycheck.site.front import News
+from bodycheck.site.front import News, method
 from bodycheck.site.telling import Piece, Sentence
 
 #: The most engines that a sentence names.
@@ -50,7 +50,7 @@ def cheapest(costs: Costs) -> Sentence:
     return (
         Piece("Take "),
         Piece(found.run.engine, links.engine(found.run.engine)),
-        Piece(f" with {_method(found.run)}: of {len(runs)} methods of {count(len(costs.standings), 'engine')} in "),
+        Piece(f" with {method(found.run)}: of {len(runs)} methods of {count(len(costs.standings), 'engine')} in "),
         *(where, Piece(f", it is the cheapest that stays within {number(ENOUGH)} {unit}. It is off by "), _error(found, unit)),
         Piece(f" and takes {_time(found)} of computing for a second of motion."),
     )
@@ -68,7 +68,7 @@ def defaults(costs: Costs) -> Sentence | None:
     first = far[0]
     pieces = [
         Piece(f"{len(far)} of {count(len(known), 'default')} {'is' if len(far) == 1 else 'are'} off by more than "),
-        Piece(f"{number(ENOUGH)} {unit} there, {first.engine}’s {_method(first.own.run)} by "),
+        Piece(f"{number(ENOUGH)} {unit} there, {first.engine}’s {method(first.own.run)} by "),
         _error(first.own, unit),
     ]
     if repairable:
@@ -76,9 +76,9 @@ def defaults(costs: Costs) -> Sentence | None:
         named = listing([one.engine for one in repairable], MOST_NAMED, "engine")
         has = "has a method" if len(repairable) == 1 else "have methods"
         pieces += [
-            Piece(f". {named} {has} within it that cost no more: instead of {_method(gain.own.run)}, which is off by "),
+            Piece(f". {named} {has} within it that cost no more: instead of {method(gain.own.run)}, which is off by "),
             _error(gain.own, unit),
-            Piece(f", {gain.engine} has {_method(gain.best.run)}, which is off by "),
+            Piece(f", {gain.engine} has {method(gain.best.run)}, which is off by "),
             _error(gain.best, unit),
         ]
     return (*pieces, Piece("."))
@@ -145,12 +145,7 @@ def scenes(catalogue: Catalogue) -> Sentence:
 
 
 def _engine(found: Priced) -> str:
-    return f"{found.run.engine} with {_method(found.run)}"
-
-
-def _method(run: Entry) -> str:
-    integrator, timestep = run.method
-    return integrator if timestep is None else f"{integrator} at {milliseconds(timestep, 4)}"
+    return f"{found.run.engine} with {method(found.run)}"
 
 
 def _error(found: Priced, unit: str) -> Piece:

@@ -146,10 +146,12 @@ class Front:
 
     @cached_property
     def groups(self) -> tuple[Group, ...]:
-        """Return the matrices, one for each kind of scene in the catalogue."""
+        """Return the matrices, one for each kind of scene in the catalogue, without scenes that no engine has run."""
         by_kind: dict[str, list[Line]] = {kind.name: [] for kind in KINDS}
         for scene in self.catalogue.scenes.values():
             known = [self.cells[engine, scene.name] for engine in self.catalogue.engines]
+            if all(cell.verdict == "not run" for cell in known):
+                continue  # a case of another table alone
             recommended = [recommended_of(self.catalogue, cell, scene) for cell in known]
             best = [best_of(self.catalogue, cell, scene) for cell in known]
             columns = (
@@ -260,7 +262,7 @@ def _value(run: Entry, scene: Scene) -> str:
 def method(run: Entry) -> str:
     """Return the method of a run in words."""
     integrator, timestep = run.method
-    return f"{integrator} at {milliseconds(timestep)}" if timestep is not None else integrator
+    return f"{integrator} at {milliseconds(timestep, 4)}" if timestep is not None else integrator
 
 
 def in_words(change: Change) -> str:

@@ -115,6 +115,8 @@ def _lines(scene: Scene, found: Sequence[tuple[str, Cell]]) -> list[str]:
     for verdict in TOLD:
         if engines := [engine for engine, one in found if one.verdict == verdict]:
             lines.append(f"{SCENES[verdict].title}: {listing(engines, MOST_NAMED, 'engine')}")
+    if all(one.verdict == "not run" for _, one in found):
+        return ["no runs, but figures in other tables"]
     without = sum(one.verdict in ("unsupported", "not run") for _, one in found)
     if without:
         lines.append(f"{len(found) - without} of {len(found)} engines")

@@ -16,7 +16,7 @@ from bodycheck.site.submissions import gathering
 from bodycheck.site.submissions.submission import Row, Submission
 from bodycheck.site.submissions.tables import TABLES
 from bodycheck.studies.audit.rows import Row as AuditRow
-from bodycheck.studies.contact.rows import ContactRow
+from bodycheck.studies.contact.rows import ContactRow, PropertyRow, SettingRow
 from bodycheck.studies.ensemble.rows import Row as EnsembleRow
 from bodycheck.studies.orders import Order
 from bodycheck.studies.parity.rows import ParityRow
@@ -101,6 +101,7 @@ def broken(**values: Any) -> Row:
 def tradeoff(timestep: float, cost: float = 1e-3, **values: Any) -> Row:
     """A row of tradeoff.csv."""
     costs: dict[str, Any] = {
+        "time_per_step": cost * timestep,
         "time_per_step_low": 0.9 * cost * timestep,
         "time_per_step_high": 1.2 * cost * timestep,
         "evaluations": 1,
@@ -148,6 +149,18 @@ def contact(**values: Any) -> Row:
     return asdict(known) | values
 
 
+def contact_setting(**values: Any) -> Row:
+    """A row of contact_settings.csv."""
+    known = SettingRow("mujoco", "4.0.0", "contact", "defaults", "Euler", 0.002, 1.0, 5, 39, "soft friction")
+    return asdict(known) | values
+
+
+def contact_property(**values: Any) -> Row:
+    """A row of contact_properties.csv: a box that friction should hold creeps."""
+    known = PropertyRow("mujoco", "4.0.0", "defaults", "Euler", 0.002, "creep", "", 5e-3, "m/s", 0.0, "")
+    return asdict(known) | values
+
+
 def parity(**values: Any) -> Row:
     """A row of parity.csv: equal masses."""
     known = ParityRow("panda", "mujoco", "4.0.0", "agrees", "mass", "link1", "2.74", "2.74", 0.0, 0.0, "")
@@ -186,6 +199,8 @@ ROWS: dict[str, list[Row]] = {
     "releases.csv": [release("3.17.0"), release("4.0.0")],
     "changes.csv": [change()],
     "contact.csv": [contact()],
+    "contact_settings.csv": [contact_setting()],
+    "contact_properties.csv": [contact_property()],
     "parity.csv": [parity()],
     "audit.csv": [audit()],
     "ensemble.csv": [ensemble()],

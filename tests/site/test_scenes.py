@@ -6,10 +6,13 @@ from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bodycheck import load
-from bodycheck.site import links
+from bodycheck.reference.trajectory import Trajectory
+from bodycheck.reports.runs.motions.stills import still
+from bodycheck.site import links, scene_cards
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.pages import scenes
 from bodycheck.site.submissions import gathering
@@ -97,7 +100,7 @@ def test_an_engine_of_which_nothing_is_known_is_not_run(catalogue: Catalogue) ->
 
 
 def test_every_number_leads_to_its_raw_row(catalogue: Catalogue) -> None:
-    page = files(catalogue)[links.scene(FREE)]
+    page = files(catalogue)[links.scene(FREE)].partition('<section aria-labelledby="engines">')[2]
     older, newer, _ = catalogue.submissions
     addresses = re.findall(r'href="\.\./(row\.html#[^"]+)"', page)
     assert addresses[:3] == [f"row.html#{newer.key}/results.csv/{place}" for place in (0, 1, 2)]
@@ -135,13 +138,41 @@ def test_bounds_of_the_truth_are_the_largest_of_any_run(catalogue: Catalogue) ->
     assert "Position error ≤ 1e-12 m" in bounds
 
 
-def test_the_list_counts_engines_by_verdict(catalogue: Catalogue) -> None:
+def test_the_list_has_a_card_for_each_scene_that_says_what_became_of_default_methods(catalogue: Catalogue) -> None:
     page = files(catalogue)[links.SCENES]
-    listed = [text(row) for row in re.findall(r"<tr>.*?</tr>", page)]
-    found = {row.split()[0]: row for row in listed}
-    assert set(catalogue.scenes) <= set(found)
-    for name in catalogue.scenes:
-        assert found[name].startswith(f"{name} {load(name).title}")
+    cards = {text(card).split()[0]: card for card in re.findall(r"<li data-words.*?</li>", page)}
+    assert set(cards) == set(catalogue.scenes)
+    for name, card in cards.items():
+        assert load(name).title in unescape(card)
+        assert "<svg" in card
+    assert "failed: mujoco" in text(cards[MECHANISM])
+    assert "expectation broken: mujoco" in text(cards[CONTACT])
+    assert "failed" not in text(cards[FREE])
+
+
+def test_a_card_shows_the_motion_of_the_truth(tmp_path: Path) -> None:
+    own = gathering.read(motions.write_folder(tmp_path / "own"))
+    catalogue = made.catalogued(own)
+    for name in motions.SCENES:
+        scene = catalogue.scenes[name]
+        shown = boxes(scene_cards.picture(catalogue, scene))
+        expected = boxes(still(scene.case.scene, evenly(motions.exact(name).trajectory)))
+        # Tracks are right to 1 % of a body or of the whole picture, which has 160 units.
+        assert np.abs(np.array(shown) - np.array(expected)).max() < 1.6
+
+
+def boxes(picture: str) -> list[tuple[float, ...]]:
+    """The box of each polygon of a picture: left, top, right and bottom."""
+    found = []
+    for points in re.findall(r'<polygon points="([^"]+)"', picture):
+        corners = np.array([[float(number) for number in corner.split(",")] for corner in points.split()])
+        found.append((*corners.min(axis=0), *corners.max(axis=0)))
+    return found
+
+
+def evenly(motion: Trajectory) -> Trajectory:
+    """The samples of a motion that are nearest to the instants at which cards read it."""
+    return motion.part(np.searchsorted(motion.t, np.linspace(0, motion.t[-1], scene_cards.INSTANTS) * (1 - 1e-12)))
 
 
 def test_motions_of_two_engines_are_played_beside_the_truth(tmp_path: Path) -> None:

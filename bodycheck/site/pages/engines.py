@@ -10,8 +10,10 @@ from bodycheck.reports.quantities import milliseconds
 from bodycheck.reports.runs.kinds import KINDS, Kind
 from bodycheck.results.verdicts import Verdict
 from bodycheck.site import changes, engine_facts, links, trend
+from bodycheck.site.advice import advice
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import Cell, cell
+from bodycheck.site.costs.standings import shown
 from bodycheck.site.releases import Release, Upgrade, releases, upgrades
 from bodycheck.site.render import File, page
 from bodycheck.studies.audit.rows import PROPERTIES
@@ -58,6 +60,7 @@ class Trend:
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
     """Yield the pages of all engines."""
+    costs = shown(catalogue)
     for engine in catalogue.engines:
         known = releases(catalogue, engine)
         found = upgrades(known)
@@ -76,7 +79,8 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
             kinds=_by_kind(cells),
             listed=[(verdict, [(scene, one) for scene, one in cells if one.verdict == verdict]) for verdict in LISTED],
             counts=_counts(cells),
-            methods=engine_facts.methods(ran[-1]) if ran else (),
+            methods=(methods := engine_facts.methods(ran[-1]) if ran else ()),
+            advice=list(advice(catalogue, engine, cells, methods, costs)),
             contact=(sheet := engine_facts.contact_sheet(catalogue, engine)),
             contact_settings=engine_facts.contact_settings(sheet),
             defaults=told,

@@ -125,8 +125,16 @@
     told.textContent =
       `${differ.length} of ${count(both.length, "run")} that both have ${differ.length === 1 ? "differs" : "differ"} by more than rounding.` +
       alone.map(([number, side]) => ` ${count(number, "run")} only ${side}.`).join("");
-    const order = (pair, next) => pair.scene.localeCompare(next.scene);
-    const listed = (all.checked ? lines : differ).sort(order);
+    // What differs comes first, the largest changes of all at the top: those of a status, and then by the ratio of the errors.
+    const size = ({ what, kind, before: then, after: now }) => {
+      if (!what) return 0;
+      if (what === "status") return Infinity;
+      const [small, large] = [then, now].map((row) => Math.abs(row.get(kind.quantity))).sort((one, next) => one - next);
+      return large / small;
+    };
+    const listed = (all.checked ? lines : differ)
+      .map((pair) => ({ ...pair, size: size(pair) }))
+      .sort((pair, next) => (next.size === pair.size ? pair.scene.localeCompare(next.scene) : next.size > pair.size ? 1 : -1));
     found.replaceChildren(...(listed.length ? [tabled(listed, all.checked ? "All runs" : "Runs that differ")] : []));
   };
 
