@@ -218,9 +218,7 @@ def _spread(asked: Asked, finest: Mapping[str, Motion]) -> _Spread:
 
 def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Motion | None]:
     """Return the results of one engine, and the finest run with the method of the file."""
-    with pool.Workers(
-        refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=1
-    ) as workers:
+    with pool.Workers(refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=1) as workers:
         clock = _Clock(workers, time.monotonic() + TIME_BUDGET_S)
         facts = _facts(asked, name, record, clock)
         if isinstance(facts, Ended):
