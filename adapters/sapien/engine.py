@@ -32,7 +32,7 @@ from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import touches
+from bodycheck.reference.requirements import grips, touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -43,7 +43,7 @@ with warnings.catch_warnings():
     import sapien
     from sapien import physx
 
-    from bodycheck.adapters.sapien import file_motion, mechanisms, sensing, touching
+    from bodycheck.adapters.sapien import file_motion, gripping, mechanisms, sensing, touching
     from bodycheck.adapters.sapien.links import first_link, load, place, switch_off
     from bodycheck.adapters.sapien.robots import read_robot as read_robot
     from bodycheck.adapters.sapien.robots import step_robot as step_robot
@@ -73,7 +73,17 @@ engine = Engine(
     version=version(INSTALLATION.distribution),
     integrators=tuple(Integrator(name, order=1, evaluations=1, options=OPTIONS) for name in SOLVERS),
     models=frozenset(
-        {"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS, *touching.MODELS}
+        {
+            "gravity",
+            "translation",
+            "rotation",
+            "contact",
+            "friction",
+            "drag",
+            *mechanisms.MODELS,
+            *touching.MODELS,
+            *gripping.MODELS,
+        }
     ),
     variants={**dict.fromkeys(sorted(KINDS), ENGINE_SETTINGS), "contact": (*ENGINE_SETTINGS, *touching.BOUNCING)},
     precision="float32",
@@ -93,7 +103,7 @@ calls = ((physx.PhysxCpuSystem, "step"), (physx.PhysxRigidDynamicComponent, "add
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    if touches(scene):
+    if touches(scene) and not grips(scene):
         return touching.prepare(scene, method)
     if isinstance(scene, Mechanism):
         simulation, _ = jointed(scene, method)
@@ -103,7 +113,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
-    if touches(scene):
+    if touches(scene) and not grips(scene):
         bodies = touching.built(scene, method)
         components = [world.body for world in bodies.worlds]
         return SensingSimulation(touching.simulated(scene, bodies), sensing.of_contacts(bodies.system, components, sensors))
@@ -124,7 +134,7 @@ def jointed(mechanism: Mechanism, method: Method) -> tuple[Normalised | Taking, 
     """Return the simulation of a mechanism, and the links of its bodies. Raises `SceneUnsupported`."""
     system = new_system(mechanism.gravity, method)
     whole = sapien.Scene([system])
-    links = mechanisms.built(whole, mechanism, method)
+    links = mechanisms.built(whole, mechanism, method, lambda builders: gripping.add_shapes(builders, mechanism, method))
 
     def step(whole: "sapien.Scene") -> "sapien.Scene":
         system.step()

@@ -7,7 +7,7 @@ force of the coordinate. Stops are the limits of the joint, which have no reboun
 the force in the joint, not a constant force, so that dry friction is not modelled.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -42,7 +42,11 @@ MODELS = frozenset(
 TYPES = {"revolute": "revolute_unwrapped", "prismatic": "prismatic", "fixed": "fixed"}
 
 
-def built(whole: Any, mechanism: Mechanism, method: Method) -> list[Any]:
+#: What adds shapes to the builders of links, by the indices of their bodies.
+Shaped = Callable[[Mapping[int, Any]], None]
+
+
+def built(whole: Any, mechanism: Mechanism, method: Method, shaped: Shaped) -> list[Any]:
     """Add a mechanism in its initial state to a scene of SAPIEN, and return the links of its bodies in their order.
 
     Raises `SceneUnsupported` for stops with a rebound.
@@ -51,7 +55,7 @@ def built(whole: Any, mechanism: Mechanism, method: Method) -> list[Any]:
     links_by_body: dict[int, Any] = {}
     first = kinematics.initial(mechanism)
     for tree in trees(mechanism):
-        articulation, links = articulated(whole, mechanism, tree, method)
+        articulation, links = articulated(whole, mechanism, tree, method, shaped)
         if method.option("settings") != "engine":
             switch_off(articulation)
         if tree[0] != WORLD:
@@ -64,7 +68,9 @@ def built(whole: Any, mechanism: Mechanism, method: Method) -> list[Any]:
     return [links_by_body[number] for number in range(len(mechanism.bodies))]
 
 
-def articulated(whole: Any, mechanism: Mechanism, tree: Sequence[int], method: Method) -> tuple[Any, dict[int, Any]]:
+def articulated(
+    whole: Any, mechanism: Mechanism, tree: Sequence[int], method: Method, shaped: Shaped
+) -> tuple[Any, dict[int, Any]]:
     """Return the articulation of a tree, and its links keyed by the indices of their bodies."""
     builder = whole.create_articulation_builder()
     root, *others = tree
@@ -80,6 +86,7 @@ def articulated(whole: Any, mechanism: Mechanism, tree: Sequence[int], method: M
         builders[number] = builder.create_link_builder(builders[joint.parent])
         set_inertia(builders[number], link_of(mechanism.bodies[number]))
         add_joint(builders[number], joint, method)
+    shaped({number: builder for number, builder in builders.items() if number != WORLD})
     for number, link_builder in builders.items():
         link_builder.set_name(f"body_{number}")
     articulation = builder.build(fix_root_link=root == WORLD)

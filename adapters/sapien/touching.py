@@ -10,7 +10,7 @@ gravity has added that of the step. The friction of a first impact is missing at
 them at 10 ms, and complete at 1 ms.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,16 +24,18 @@ from bodycheck.adapters.method import Range
 from bodycheck.adapters.pair_coefficients import coefficients, differences
 from bodycheck.adapters.sapien.worlds import World, add_plane, collision_shape, moving, new_system, rows, seen
 from bodycheck.adapters.stepping import Normalised, several
-from bodycheck.adapters.touching import Law, acting, laws, laws_of_pairs, plane_of, touching_bodies
+from bodycheck.adapters.touching import Law, acting, laws, laws_of_pairs, touching_bodies
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
-from bodycheck.reference.requirements import touches
+from bodycheck.reference.requirements import grips, touches
 from bodycheck.reference.scene import Push, Scene
 from bodycheck.reference.trajectory import Array
 
 #: The requirements of touching bodies that PhysX models.
-MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts", "torsional friction"})
+MODELS = frozenset(
+    {"incline", "restitution", "rolling", "pushes", "contacts", "contacts without a plane", "torsional friction"}
+)
 
 #: PhysX's setting of contacts that a method may set. PhysX refuses zero.
 OPTIONS = {
@@ -55,14 +57,14 @@ class Touching:
     worlds
         The bodies, in their order.
     ground
-        The component of the plane.
+        The component of the plane, if there is one.
     pushes
         The pushes that act in each step from the next one on.
     """
 
     system: physx.PhysxCpuSystem
     worlds: tuple[World, ...]
-    ground: physx.PhysxRigidStaticComponent
+    ground: physx.PhysxRigidStaticComponent | None
     pushes: Iterator[tuple[Push, ...]]
 
     def step(self) -> None:
@@ -90,14 +92,17 @@ def simulated(scene: AnyScene, touching: Touching) -> Normalised:
 def built(scene: AnyScene, method: Method) -> Touching:
     """Return a scene of SAPIEN with the bodies of a scene in their initial states. Raises `SceneUnsupported`."""
     bodies = touching_bodies(scene)
-    given = coefficients(scene, len(bodies), "mean")
+    given, between = coefficients(scene, len(bodies), "mean"), laws_of_pairs(scene, len(bodies))
     shapes = [collision_shape(body.shape, body.body.axes, given[index]) for index, body in enumerate(bodies)]
-    for shape, law in zip(shapes, on_plane(scene, len(bodies)), strict=True):
+    for index, law in on_plane(scene, len(bodies)).items():
         if law.torsional_friction:
-            shape.min_patch_radius = patch_radius(law, method)
+            shapes[index].min_patch_radius = patch_radius(law, method)
     system = new_system(scene.gravity, method)
     whole = sapien.Scene([system])
-    ground = add_plane(whole, plane_of(scene).incline, given[WORLD])
+    if scene.plane is None:
+        for shape, own in zip(shapes, groups(between, len(bodies)), strict=True):
+            shape.set_collision_groups(own)
+    ground = None if scene.plane is None else add_plane(whole, scene.plane.incline, given[WORLD])
     worlds = []
     for body, shape in zip(bodies, shapes, strict=True):
         start = along_principal_axes(Scene(body.body, body.start)).initial
@@ -105,10 +110,21 @@ def built(scene: AnyScene, method: Method) -> Touching:
     return Touching(system, tuple(worlds), ground, acting(scene.pushes, method.timestep))
 
 
-def on_plane(scene: AnyScene, count: int) -> list[Law]:
-    """Return the laws of the plane with each of `count` bodies."""
-    between = laws_of_pairs(scene, count)
-    return [between[WORLD, index] for index in range(count)]
+def groups(pairs: Iterable[tuple[int, int]], count: int) -> list[list[int]]:
+    """Return the four collision groups of each of `count` bodies of which only some pairs, by their indices, collide.
+
+    Two shapes collide if the first group of one has a bit of the second group of the other.
+    """
+    partners = [0] * count
+    for one, other in pairs:
+        partners[one] |= 1 << other
+        partners[other] |= 1 << one
+    return [[1 << index, partners[index], 0, 0] for index in range(count)]
+
+
+def on_plane(scene: AnyScene, count: int) -> dict[int, Law]:
+    """Return the laws of the plane with each of `count` bodies, by their indices; none without a plane."""
+    return {other: law for (one, other), law in laws_of_pairs(scene, count).items() if one == WORLD}
 
 
 def patch_radius(law: Law, method: Method) -> float:
@@ -141,9 +157,11 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     """Return which friction and restitution PhysX has in the place of those of a scene, as `ContactTerms` does."""
     if not touches(scene):
         return ""
+    if grips(scene):
+        return gripped_terms(scene, method)
     bodies = touching_bodies(scene)
     phrases = differences(scene, bodies, "mean")
-    resisting = [law for law in on_plane(scene, len(bodies)) if law.torsional_friction]
+    resisting = [law for law in on_plane(scene, len(bodies)).values() if law.torsional_friction]
     if method.integrator != "PGS" and all(law.friction for law in resisting):
         for radius in sorted({patch_radius(law, method) for law in resisting}):
             phrases.append(f"torsional friction of patches of {radius:.3g} m{', also between bodies' * (len(bodies) > 1)}")
@@ -152,4 +170,14 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
     if any(law.restitution for law in laws(scene)):
         threshold = method.option("bounce_threshold") or physx.get_scene_config().bounce_threshold
         phrases.append(f"no restitution below {float(threshold):g} m/s")
+    return "; ".join(phrases)
+
+
+def gripped_terms(mechanism: Mechanism, method: Method) -> str:
+    """Return the law that PhysX has in the place of that of bodies on joints and what they touch."""
+    resisting = [law for law in laws(mechanism) if law.torsional_friction]
+    radii = sorted({patch_radius(law, method) for law in resisting if law.friction}) if method.integrator != "PGS" else []
+    phrases = [f"torsional friction of patches of {radius:.3g} m" for radius in radii]
+    if any(law.cone == "one" for law in resisting):
+        phrases.append("a bound of its own for friction and torsional friction")
     return "; ".join(phrases)

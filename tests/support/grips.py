@@ -57,3 +57,9 @@ START: dict[str, Any] = {"start": (0.0,), "start_velocity": (0.0,)}
 def with_contacts(scene: Mechanism, *laws: dict[str, Any]) -> Mechanism:
     """The scene with other values of its contacts."""
     return replace(scene, contacts=tuple(replace(pair, **law) for pair, law in zip(scene.contacts, laws, strict=True)))
+
+
+def pressed(scene: Mechanism, press: float) -> Mechanism:
+    """The scene with constant efforts of the fingers in the place of controllers."""
+    joints = tuple(replace(joint, effort=press) for joint in scene.joints)
+    return replace(scene, joints=joints, controllers=())

@@ -6,7 +6,8 @@ best ones, the three best ones, and so on. The best of all these methods is wher
 better. At last the best method is tried with a quarter of the time step.
 
 The score of a method is the geometric mean over scenes of its largest error of the position, relative to that of the method at
-which the search began. A method that does not complete one of these scenes has no score.
+which the search began. A method that does not complete one of these scenes has no score, and neither has one whose errors in
+the first scenes are so large that it is not measured in the others (`promising`).
 """
 
 import math
@@ -34,6 +35,9 @@ FLOOR = 1e-5
 
 #: A method is better than another if its score is below this part of the other's.
 BETTER = 0.95
+
+#: A method whose score in the scenes so far is above this is not measured in the other ones.
+HOPELESS = 2.0
 
 #: The errors (m) of a method, by scene; scenes that it does not complete are left out.
 Errors = Mapping[str, float]
@@ -111,6 +115,19 @@ def score(errors: Errors, start: Errors) -> float:
         return math.inf
     ratios = [max(errors[scene], FLOOR) / max(first, FLOOR) for scene, first in start.items()]
     return math.exp(math.fsum(map(math.log, ratios)) / len(ratios)) if all(map(math.isfinite, ratios)) else math.inf
+
+
+def promising(errors: Errors, start: Errors) -> bool:
+    """Return whether a method is worth being measured in more scenes.
+
+    Parameters
+    ----------
+    errors
+        The errors of the method in the scenes so far.
+    start
+        The errors in these scenes of the method at which the search began.
+    """
+    return not start or score(errors, start) <= HOPELESS
 
 
 def improvements(scores: Mapping[Change, float], least: float) -> tuple[Change, ...]:

@@ -12,6 +12,7 @@ from bodycheck.adapters.touching import laws
 from bodycheck.casefile.case import load, shipped
 from bodycheck.casefile.content import Case
 from bodycheck.figures.columns import FIGURES
+from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact.motion import Event, EventKind
 from bodycheck.reference.truths import Truth
 
@@ -21,6 +22,9 @@ TAG = "contact"
 #: The longest duration (s) of the shipped cases that are on the sheet unless cases are named. What `block-rests-on-ramp`
 #: shows in a minute, the probe of creep measures in two seconds.
 LONGEST_S = 10.0
+
+#: The most bodies in them. Other stacks show what `stack-of-ten` shows, at a tenth of its cost.
+MOST_BODIES = 9
 
 #: The groups of scenes that have settings of their own: a body slides flat on a level plane; bodies touch, and their laws have
 #: no restitution; bodies bounce.
@@ -40,9 +44,10 @@ Known = tuple[float, float]
 
 
 def scenes() -> tuple[str, ...]:
-    """Return the names of the shipped cases that are on the sheet."""
+    """Return the names of the shipped cases that are on the sheet unless cases are named."""
     tagged = {name: case for name in shipped() if TAG in (case := load(name)).tags}
-    return tuple(name for name, case in tagged.items() if case.duration <= LONGEST_S)
+    short = {name: case for name, case in tagged.items() if case.duration <= LONGEST_S}
+    return tuple(name for name, case in short.items() if len(bodies(case.scene)) <= MOST_BODIES)
 
 
 def group_of(case: Case) -> Group:

@@ -32,7 +32,7 @@ from bodycheck.studies.contact.calls import ProbeCall, group, make
 from bodycheck.studies.contact.measuring import Bench, Measured, Workers, is_lost, of_sheet
 from bodycheck.studies.contact.probes import BY_NAME, PROBES
 from bodycheck.studies.contact.rows import RECORDS, ContactRow, PropertyRow, Setting, SettingRow, Sheet
-from bodycheck.studies.contact.search import Best, Errors, search
+from bodycheck.studies.contact.search import Best, Errors, promising, search
 from bodycheck.studies.contact.sheet import SUBJECTS, Group, group_of, searched, truth_error, unit_of
 
 #: Time limit (s) of one run of the search and of one probe. Most take less than a second.
@@ -186,10 +186,18 @@ def _within_steps(best: Best, case: Case) -> Method:
 def _searched(bench: Bench, name: str, engine: Engine, scenes: Sequence[Case], begin: Sequence[Method]) -> Best:
     """Search for the best method of an engine in some scenes of one kind."""
 
+    def errors(method: Method, cases: Sequence[Case]) -> dict[str, float]:
+        return _errors(bench, name, method, [case for case in cases if method.timestep <= case.duration])
+
     def measure(methods: Sequence[Method]) -> dict[Method, Errors]:
-        fitting = {method: [case for case in scenes if method.timestep <= case.duration] for method in methods}
-        bench.measure([Task(case, name, method) for method, in_time in fitting.items() for case in in_time])
-        return {method: _errors(bench, name, method, in_time) for method, in_time in fitting.items()}
+        """Measure methods in the scenes, the shortest first, as long as they are promising; named ones in all scenes."""
+        ordered, left = sorted(scenes, key=lambda case: case.duration), list(methods)
+        for number, case in enumerate(ordered):
+            bench.measure([Task(case, name, method) for method in left if method.timestep <= case.duration])
+            done = ordered[: number + 1]
+            first = errors(begin[0], done)
+            left = [method for method in left if method in begin or promising(errors(method, done), first)]
+        return {method: errors(method, ordered if method in left else ()) for method in methods}
 
     return search(engine, kind_of(scenes[0].scene), begin, measure)
 

@@ -3,7 +3,6 @@
 import io
 import runpy
 from contextlib import redirect_stdout
-from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -22,13 +21,7 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.results.outcome import Completed
 from bodycheck.running.simulation import simulate
 from bodycheck.running.truths import truth
-from tests.support.grips import GRAVITY, PAD, grip
-
-
-def pressed(scene: Mechanism, press: float) -> Mechanism:
-    """The scene with constant efforts of the fingers in the place of controllers."""
-    joints = tuple(replace(joint, effort=press) for joint in scene.joints)
-    return replace(scene, joints=joints, controllers=())
+from tests.support.grips import GRAVITY, PAD, grip, pressed
 
 
 def heights(scene: Mechanism, spelling: str, steps: int, timestep: float = 0.002) -> Array:

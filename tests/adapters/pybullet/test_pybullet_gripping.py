@@ -1,7 +1,5 @@
 """Bodies between fingers in PyBullet."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,31 +7,24 @@ from bodycheck import load
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import ContactTerms, Method, SceneUnsupported
 from bodycheck.adapters.pybullet import gripping
-from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.running.simulation import simulate
 from tests.support import touching_engines as measured
-from tests.support.grips import GRAVITY, grip, with_contacts
+from tests.support.grips import GRAVITY, grip, pressed, with_contacts
 
 PYBULLET = registry.load("pybullet")
 
 
-def grip_of_constant(press: float, friction: float) -> Mechanism:
-    """A grip with constant efforts in the place of controllers."""
-    scene = grip(press, friction)
-    return replace(scene, joints=tuple(replace(joint, effort=press) for joint in scene.joints), controllers=())
-
-
 def test_a_pressed_body_is_held_and_a_body_without_friction_falls() -> None:
-    fallen = measured.states(PYBULLET, grip_of_constant(12.0, 0.0), "multibody", 1e-3, [100])[-1, 0]
+    fallen = measured.states(PYBULLET, pressed(grip(12.0, 0.0), 12.0), "multibody", 1e-3, [100])[-1, 0]
     # Semi-implicit Euler falls g h t/2 too far.
     assert fallen[2] == pytest.approx(-GRAVITY * 0.1 * 0.101 / 2, rel=1e-9)
-    held = measured.states(PYBULLET, grip_of_constant(12.0, 0.5), "multibody", 1e-3, [100])[-1, 0]
+    held = measured.states(PYBULLET, pressed(grip(12.0, 0.5), 12.0), "multibody", 1e-3, [100])[-1, 0]
     # Bullet's slop is 1e-5 m.
     assert abs(held[2]) < 2e-5
 
 
 def test_a_body_on_point_fingers_falls_with_gravity_less_twice_the_friction() -> None:
-    before, after = measured.states(PYBULLET, grip_of_constant(8.0, 0.4), "multibody", 1e-3, [50, 50])[:, 0, 9]
+    before, after = measured.states(PYBULLET, pressed(grip(8.0, 0.4), 8.0), "multibody", 1e-3, [50, 50])[:, 0, 9]
     assert (before - after) / 0.05 == pytest.approx(GRAVITY - 2 * 0.4 * 8.0, rel=1e-3)
 
 
@@ -68,4 +59,4 @@ def test_free_spheres_without_a_plane_touch_as_their_pair_says() -> None:
 
 def test_what_bullet_lacks_is_refused() -> None:
     with pytest.raises(SceneUnsupported, match="maximal coordinates"):
-        PYBULLET.prepare([grip_of_constant(12.0, 0.5)], Method.parse("maximal", 1e-3))
+        PYBULLET.prepare([pressed(grip(12.0, 0.5), 12.0)], Method.parse("maximal", 1e-3))

@@ -137,3 +137,9 @@ def test_what_cannot_be_done_is_called_so(made: Path) -> None:
 def test_every_figure_of_the_sheet_is_a_figure_of_runs() -> None:
     assert set(sheet.SUBJECTS) <= set(FIGURES)
     assert "resting-brick" in sheet.scenes()
+    assert "stack-mass-ratio" in sheet.scenes()
+
+
+def test_scenes_that_take_as_long_as_all_others_are_on_the_sheet_only_if_they_are_named() -> None:
+    assert not {"block-rests-on-ramp", "stack-of-ten"} & {*sheet.scenes()}
+    assert all(load(name).duration <= sheet.LONGEST_S for name in sheet.scenes())

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Option, Range, choice
-from bodycheck.studies.contact.search import FINER, FLOOR, Errors, score, search, variations
+from bodycheck.studies.contact.search import FINER, FLOOR, HOPELESS, Errors, promising, score, search, variations
 
 OPTIONS = {
     "cone": choice("elliptic", "pyramidal"),
@@ -93,3 +93,13 @@ def test_rounding_at_rest_does_not_decide() -> None:
     assert score({"rest": 1e-16, "slide": 1e-3}, {"rest": 1e-12, "slide": 1e-3}) == 1
     assert score({"rest": FLOOR / 10}, {"rest": 10 * FLOOR}) == pytest.approx(0.1)
     assert math.isinf(score({"rest": math.inf}, {"rest": 1.0}))
+
+
+def test_what_is_much_worse_in_the_first_scenes_is_not_worth_the_others() -> None:
+    start = {"roll": 1e-3, "slide": 2e-3}
+    assert promising({"roll": HOPELESS * 1e-3}, {"roll": 1e-3})
+    assert not promising({"roll": 1.1 * HOPELESS * 1e-3}, {"roll": 1e-3})
+    # What is worse in one scene may be better in another by as much.
+    assert promising({"roll": 10 * HOPELESS * 1e-3, "slide": 0.1 * 2e-3}, start)
+    assert not promising({"roll": 1e-4}, start), "it does not complete a scene that the start completes"
+    assert promising({}, {}), "there is nothing to compare with yet"
