@@ -1,6 +1,5 @@
 """Prove how far a printed motion is from the exact one, from balls that contain the exact states."""
 
-import math
 import time
 from bisect import bisect_left
 from fractions import Fraction
@@ -87,15 +86,17 @@ def enclosed(
             try:
                 motion = _motion(scene, printed, joints, candidate, bits, begin + limit)
                 compared = _compared(motion, printed, joints, conserved(scene))
-                events = _events(motion, float(printed.t[-1]) if compared[3] is None else compared[3])
+                until = compared[3]
+                events = _events(motion, float(printed.t[-1]) if until is None else until)
             except NotEnclosed as error:
                 reason = error
                 continue
         enclosure = Enclosure(motion.way, bits, *compared, time.process_time() - busy, events)
         if enclosure.until is None:
             return enclosure
-        if enclosure.until > (0.0 if best is None or best.until is None else best.until):
-            best = enclosure
+        if best is not None and best.until is not None and enclosure.until <= best.until:
+            break  # more digits do not help
+        best = enclosure
     if best is None:
         raise reason
     return best
@@ -194,10 +195,10 @@ def _flight(scene: Scene) -> States:
 
 def _compared(
     motion: Motion, printed: Trajectory, joints: JointMotion | None, kept: Conserved
-) -> tuple[float, dict[str, Array], dict[str, Array], float | None]:
+) -> tuple[float, dict[str, Array], dict[str, Array], float | None, str]:
     """The largest radius of a ball, bounds of the distances of the printed states from above and below, and their last instant.
 
-    The last instant is None if all balls are small.
+    The last instant is None if all balls are small; otherwise there is the reason why it is the last one.
     """
     count = len(printed.t)
     farthest, nearest = ({name: np.full(count, np.nan) for name in (*QUANTITIES, *CONSERVED)} for _ in range(2))
@@ -205,23 +206,32 @@ def _compared(
         shapes = zip(COORDINATES, (joints.position.shape, joints.velocity.shape), strict=True)
         for name, shape in shapes:
             farthest[name], nearest[name] = np.full(shape, np.nan), np.full(shape, np.nan)
-    largest, until = 0.0, None
+    largest, until, reason = 0.0, None, ""
     for row, instant in enumerate(printed.t.tolist()):
         if np.isnan(printed.position[..., row, :]).any():  # mechanics determines no motion there
             continue
-        outside = motion.until is not None and Fraction(instant) > motion.until
-        shown = None if outside else motion.states(Fraction(instant))
-        radius = math.inf if shown is None else shown.radius
-        if shown is None or not radius <= SMALL:
+        try:
+            shown = _small(motion, Fraction(instant))
+        except NotEnclosed as ended:
             if not row:
-                raise NotEnclosed("balls that are too large")
-            until = float(printed.t[row - 1])
+                raise
+            until, reason = float(printed.t[row - 1]), str(ended)
             break
-        largest = max(largest, radius)
+        largest = max(largest, shown.radius)
         for name, values in _distances(shown, _printed(printed, joints, row), kept).items():
             high, low = list(map(upper, values)), list(map(lower, values))
             farthest[name][row], nearest[name][row] = (high, low) if name in COORDINATES else (max(high), max(low))
-    return largest, farthest, nearest, until
+    return largest, farthest, nearest, until, reason
+
+
+def _small(motion: Motion, instant: Fraction) -> Shown:
+    """The states at an instant (s). Raises `NotEnclosed` if their balls are too large, or if the motion ends before."""
+    if motion.until is not None and instant > motion.until:
+        raise NotEnclosed("a tree whose errors grow too much, or that needs too long")
+    shown = motion.states(instant)
+    if not shown.radius <= SMALL:
+        raise NotEnclosed("balls that are too large")
+    return shown
 
 
 def _events(motion: Motion, until: float) -> tuple[Interval, ...] | None:
