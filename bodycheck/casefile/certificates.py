@@ -28,7 +28,7 @@ class Certified:
     until
         The instant (s) until which the motion is enclosed; None if all of it is, or nothing.
     distance
-        The largest proved distance of a printed attitude from the exact one (rad); None without a proof.
+        The largest proved distance of a printed attitude from the exact one (rad), to two digits; None without a proof.
     radius
         The largest radius of a ball of the proof, before anything is rounded to doubles; None without a proof.
     way
@@ -60,3 +60,14 @@ def certificate_of(case: Case) -> Certified | None:
     """Return the certificate of a case; None if it is not a shipped one, or has another content."""
     known = certificates().get(case.name)
     return known if known is not None and known.identity == identity(case) else None
+
+
+def word_of(case: Case, *, compared: bool) -> str:
+    """Return the word that says how well the truth of a case is known, without a proof of its own.
+
+    compared: whether the truth was compared with another way.
+    """
+    known = certificate_of(case)
+    if known is not None:
+        return known.word
+    return "cross-checked" if compared else "estimated"
