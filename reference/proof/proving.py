@@ -13,12 +13,12 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.proof import bodies, drag, free_body, one_joint, tops
 from bodycheck.reference.proof.balls import (
     Ball,
+    Matrix,
     Triple,
     angle_between,
-    ball,
     distance,
     lower,
-    of_quaternion,
+    of_doubles,
     precision,
     triple,
     upper,
@@ -245,16 +245,19 @@ def _events(motion: Motion, until: float) -> tuple[Interval, ...] | None:
 def _printed(printed: Trajectory, joints: JointMotion | None, row: int) -> Shown:
     """The printed states at an instant, which is given by its row, as exact numbers."""
     several = [printed] if printed.position.ndim == 2 else [printed.body(index) for index in range(len(printed.position))]
-    bodies = []
+    bodies: list[tuple[Triple, Matrix, Triple, Triple]] = []
     for body in several:
-        position, velocity, rates = (
-            triple(each[row].tolist()) for each in (body.position, body.velocity, body.angular_velocity)
-        )
-        bodies.append((position, of_quaternion(body.quaternion[row].tolist()), velocity, rates))
+        position, velocity, rates = map(_exact, (body.position[row], body.velocity[row], body.angular_velocity[row]))
+        bodies.append((position, of_doubles(body.quaternion[row].tolist()), velocity, rates))
     if joints is None:
         return Shown([], [], bodies)
-    coordinates, speeds = ([ball(value) for value in each[row].tolist()] for each in (joints.position, joints.velocity))
-    return Shown(coordinates, speeds, bodies)
+    return Shown(list(map(arb, joints.position[row].tolist())), list(map(arb, joints.velocity[row].tolist())), bodies)
+
+
+def _exact(values: Array) -> Triple:
+    """Three doubles as balls, which are exact."""
+    x, y, z = map(arb, values.tolist())
+    return x, y, z
 
 
 def _distances(shown: Shown, printed: Shown, kept: Conserved) -> dict[str, list[Ball]]:
