@@ -136,7 +136,7 @@ def print_proof(certificate: Certificate) -> None:
     """Print the proof of a truth, or why there is none, with the word that says how well the truth is known otherwise."""
     proof = certificate.enclosure
     if proof is not None:
-        until = "yes" if proof.until is None else f"until {proof.until:.4g} s"
+        until = "yes" if proof.until is None else f"until {proof.until:.4g} s ({proof.reason})"
         tell(
             f"enclosed: {until}, within {proof.distance:.2g} rad of the printed doubles; proof: {proof.way}, "
             f"{proof.bits} bits, {proof.seconds:.1f} s"

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bodycheck.casefile.certificates import word_of
 from bodycheck.casefile.content import Case, check_case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import bounds_of
@@ -125,6 +126,7 @@ def _instants(case: Case, times: ArrayLike | None) -> Array:
 def as_json(case: Case, truth: Truth) -> dict[str, Any]:
     """Return the JSON object of `bodycheck truth --json`: arrays by name, and the methods that computed them.
 
+    `word` says how well the truth is known, for a shipped case from its certificate: enclosed, cross-checked or estimated.
     The bounds of the truth's errors are in the units of the figures of a run that they bound. The states of a mechanism are
     given by the names of its joints and bodies.
     """
@@ -135,6 +137,7 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
         "reason": truth.reason,
         "backend": truth.backend,
         "witnesses": list(truth.witnesses),
+        "word": word_of(case, compared=bool(truth.witnesses)),
         "t": trajectory.t.tolist(),
         **(_mechanism_as_json(truth.scene, truth) if isinstance(truth.scene, Mechanism) else _states_as_json(trajectory)),
         **{name: values.tolist() for name, values in bounds_of(truth).items()},
@@ -203,6 +206,7 @@ def certificate_as_json(certificate: Certificate) -> dict[str, Any]:
         "differences": [
             {"one": one, "other": other, "attitude": apart.tolist()} for (one, other), apart in certificate.differences.items()
         ],
+        "word": certificate.word,
         "certificate": {
             "word": certificate.word,
             "until": None if enclosure is None else enclosure.until,

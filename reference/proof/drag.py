@@ -8,6 +8,7 @@ of time after it. On a curved path, with the horizontal speed u and the slope p 
 so that time, way and height are integrals over p of u/g, u^2/g and p u^2/g. Arb encloses them; the slope at a time is a root.
 """
 
+import math
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -105,15 +106,19 @@ def _curved(start: Triple, k: Ball, gravity: Ball) -> Flight:
 
     def lasting(one: Ball, other: Ball) -> Ball:
         """The time from one slope to another."""
-        return _integral(lambda p, analytic: 1 / square(p, analytic).sqrt(analytic=analytic), one, other) / gravity
+        return _integral(lambda p, analytic: 1 / square(p, analytic).sqrt(analytic=analytic), one, other).real / gravity
 
     def moved(one: Ball, other: Ball) -> tuple[Ball, Ball]:
-        """Way and height from one slope to another."""
-        way = _integral(lambda p, analytic: 1 / square(p, analytic), one, other)
-        return way / gravity, _integral(lambda p, analytic: p / square(p, analytic), one, other) / gravity
+        """Way and height from one slope to another: the real and the imaginary part of one integral."""
+        both = _integral(lambda p, analytic: (1 + acb(0, 1) * p) / square(p, analytic), one, other) / gravity
+        return both.real, both.imag
 
     def speed(p: Ball) -> Ball:
         return 1 / square(acb(p)).real.sqrt()
+
+    def rate(p: float) -> float:
+        """The rate of the slope (1/s), in doubles."""
+        return -float(gravity) * math.sqrt(float(constant) - float(k / gravity) * (_arc_of_double(p) - float(begin.real)))
 
     known = [_Known(first.mid(), lasting(first, first.mid()), *moved(first, first.mid()))]
 
@@ -121,7 +126,7 @@ def _curved(start: Triple, k: Ball, gravity: Ball) -> Flight:
         time = ball(t)
         near = known[max(bisect_right(known, float(t), key=lambda each: float(each.time.mid())) - 1, 0)]
 
-        guess = near.slope - gravity * (time - near.time) / speed(near.slope)
+        guess = arb(_followed(rate, float(near.slope), float(time - near.time)))
         p = root_near(lambda q: near.time + lasting(near.slope, q) - time, lambda q: -speed(q) / gravity, guess)
         parts = moved(near.slope, p)
         way, height, exact = near.way + parts[0], near.height + parts[1], p.mid()
@@ -139,9 +144,26 @@ def _curved(start: Triple, k: Ball, gravity: Ball) -> Flight:
     return at
 
 
-def _integral(integrand: Callable[[Any, bool], Any], one: Ball, other: Ball) -> Ball:
-    """The integral of a function from a slope down to another one."""
-    return acb.integral(integrand, acb(other), acb(one)).real
+def _followed(rate: Callable[[float], float], slope: float, lasting: float) -> float:
+    """A slope after a time (s), by a step of the method of Runge and Kutta, with which the search for the exact one begins."""
+    try:
+        one = rate(slope)
+        two = rate(slope + lasting / 2 * one)
+        three = rate(slope + lasting / 2 * two)
+        found = slope + lasting / 6 * (one + 2 * two + 2 * three + rate(slope + lasting * three))
+    except (ValueError, OverflowError):
+        return slope
+    return found if math.isfinite(found) else slope
+
+
+def _arc_of_double(p: float) -> float:
+    """F(p) in double precision."""
+    return p * math.hypot(1.0, p) + math.asinh(p)
+
+
+def _integral(integrand: Callable[[Any, bool], Any], one: Ball, other: Ball) -> Any:
+    """The integral of a function from a slope down to another one, a complex number."""
+    return acb.integral(integrand, acb(other), acb(one))
 
 
 def _arc(p: Any, analytic: bool = False) -> Any:

@@ -47,6 +47,8 @@ class Enclosure:
         `CONSERVED`, and (n, c) by those of `COORDINATES` for joints.
     until
         The instant (s) up to which the motion is enclosed; the distances at later instants are NaN. None if all is.
+    reason
+        Why it ends there, as a noun phrase; empty if all is enclosed.
     seconds
         The processor time of the proof (s).
     events
@@ -59,6 +61,7 @@ class Enclosure:
     farthest: dict[str, Array]
     nearest: dict[str, Array]
     until: float | None
+    reason: str
     seconds: float
     events: tuple[Interval, ...] | None = None
 

@@ -1,6 +1,5 @@
 """Prove how far a printed motion is from the exact one, from balls that contain the exact states."""
 
-import math
 import time
 from bisect import bisect_left
 from fractions import Fraction
@@ -14,12 +13,12 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.proof import bodies, drag, free_body, one_joint, tops
 from bodycheck.reference.proof.balls import (
     Ball,
+    Matrix,
     Triple,
     angle_between,
-    ball,
     distance,
     lower,
-    of_quaternion,
+    of_doubles,
     precision,
     triple,
     upper,
@@ -87,15 +86,17 @@ def enclosed(
             try:
                 motion = _motion(scene, printed, joints, candidate, bits, begin + limit)
                 compared = _compared(motion, printed, joints, conserved(scene))
-                events = _events(motion, float(printed.t[-1]) if compared[3] is None else compared[3])
+                until = compared[3]
+                events = _events(motion, float(printed.t[-1]) if until is None else until)
             except NotEnclosed as error:
                 reason = error
                 continue
         enclosure = Enclosure(motion.way, bits, *compared, time.process_time() - busy, events)
         if enclosure.until is None:
             return enclosure
-        if enclosure.until > (0.0 if best is None or best.until is None else best.until):
-            best = enclosure
+        if best is not None and best.until is not None and enclosure.until <= best.until:
+            break  # more digits do not help
+        best = enclosure
     if best is None:
         raise reason
     return best
@@ -194,10 +195,10 @@ def _flight(scene: Scene) -> States:
 
 def _compared(
     motion: Motion, printed: Trajectory, joints: JointMotion | None, kept: Conserved
-) -> tuple[float, dict[str, Array], dict[str, Array], float | None]:
+) -> tuple[float, dict[str, Array], dict[str, Array], float | None, str]:
     """The largest radius of a ball, bounds of the distances of the printed states from above and below, and their last instant.
 
-    The last instant is None if all balls are small.
+    The last instant is None if all balls are small; otherwise there is the reason why it is the last one.
     """
     count = len(printed.t)
     farthest, nearest = ({name: np.full(count, np.nan) for name in (*QUANTITIES, *CONSERVED)} for _ in range(2))
@@ -205,23 +206,32 @@ def _compared(
         shapes = zip(COORDINATES, (joints.position.shape, joints.velocity.shape), strict=True)
         for name, shape in shapes:
             farthest[name], nearest[name] = np.full(shape, np.nan), np.full(shape, np.nan)
-    largest, until = 0.0, None
+    largest, until, reason = 0.0, None, ""
     for row, instant in enumerate(printed.t.tolist()):
         if np.isnan(printed.position[..., row, :]).any():  # mechanics determines no motion there
             continue
-        outside = motion.until is not None and Fraction(instant) > motion.until
-        shown = None if outside else motion.states(Fraction(instant))
-        radius = math.inf if shown is None else shown.radius
-        if shown is None or not radius <= SMALL:
+        try:
+            shown = _small(motion, Fraction(instant))
+        except NotEnclosed as ended:
             if not row:
-                raise NotEnclosed("balls that are too large")
-            until = float(printed.t[row - 1])
+                raise
+            until, reason = float(printed.t[row - 1]), str(ended)
             break
-        largest = max(largest, radius)
+        largest = max(largest, shown.radius)
         for name, values in _distances(shown, _printed(printed, joints, row), kept).items():
             high, low = list(map(upper, values)), list(map(lower, values))
             farthest[name][row], nearest[name][row] = (high, low) if name in COORDINATES else (max(high), max(low))
-    return largest, farthest, nearest, until
+    return largest, farthest, nearest, until, reason
+
+
+def _small(motion: Motion, instant: Fraction) -> Shown:
+    """The states at an instant (s). Raises `NotEnclosed` if their balls are too large, or if the motion ends before."""
+    if motion.until is not None and instant > motion.until:
+        raise NotEnclosed("a tree whose errors grow too much, or that needs too long")
+    shown = motion.states(instant)
+    if not shown.radius <= SMALL:
+        raise NotEnclosed("balls that are too large")
+    return shown
 
 
 def _events(motion: Motion, until: float) -> tuple[Interval, ...] | None:
@@ -235,16 +245,19 @@ def _events(motion: Motion, until: float) -> tuple[Interval, ...] | None:
 def _printed(printed: Trajectory, joints: JointMotion | None, row: int) -> Shown:
     """The printed states at an instant, which is given by its row, as exact numbers."""
     several = [printed] if printed.position.ndim == 2 else [printed.body(index) for index in range(len(printed.position))]
-    bodies = []
+    bodies: list[tuple[Triple, Matrix, Triple, Triple]] = []
     for body in several:
-        position, velocity, rates = (
-            triple(each[row].tolist()) for each in (body.position, body.velocity, body.angular_velocity)
-        )
-        bodies.append((position, of_quaternion(body.quaternion[row].tolist()), velocity, rates))
+        position, velocity, rates = map(_exact, (body.position[row], body.velocity[row], body.angular_velocity[row]))
+        bodies.append((position, of_doubles(body.quaternion[row].tolist()), velocity, rates))
     if joints is None:
         return Shown([], [], bodies)
-    coordinates, speeds = ([ball(value) for value in each[row].tolist()] for each in (joints.position, joints.velocity))
-    return Shown(coordinates, speeds, bodies)
+    return Shown(list(map(arb, joints.position[row].tolist())), list(map(arb, joints.velocity[row].tolist())), bodies)
+
+
+def _exact(values: Array) -> Triple:
+    """Three doubles as balls, which are exact."""
+    x, y, z = map(arb, values.tolist())
+    return x, y, z
 
 
 def _distances(shown: Shown, printed: Shown, kept: Conserved) -> dict[str, list[Ball]]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.casefile.certificates import certificate_of, word_of
 from bodycheck.casefile.content import Case
 from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact.motion import Event, EventKind, Interface
@@ -80,7 +81,7 @@ def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
     return (
         *_facts(scene),
         Fact("Duration", f"{number(case.duration)} s, sampled at {case.samples} instants"),
-        *((Fact("Truth", _truth(truths)),) if truths else ()),
+        *((Fact("Truth", _truth(case, truths)),) if truths else ()),
         *_stop(truths),
         *_happens(scene, truths),
     )
@@ -261,8 +262,8 @@ def _shape(shape: Shape | None) -> str:
             return "body without a shape"
 
 
-def _truth(truths: Sequence[Told | NoTruth]) -> str:
-    """Return the description of the truth: its source and the reason for it, independent checks, and its error bound."""
+def _truth(case: Case, truths: Sequence[Told | NoTruth]) -> str:
+    """Return the description of the truth: its source and the reason for it, independent checks, error bound, and its word."""
     known = [truth for truth in truths if isinstance(truth, Told)]
     if not known:
         reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, NoTruth))
@@ -273,7 +274,18 @@ def _truth(truths: Sequence[Told | NoTruth]) -> str:
     checked = f" Checked by {count(len(witnesses), 'independent computation')}: {listing(witnesses)}." if witnesses else ""
     errors = [truth.error for truth in known if not math.isnan(truth.error)]
     least = f"Its attitude is wrong by at most {bound(max(errors), 2)} rad." if errors else "It gives no motion."
-    return f"{' and '.join(sources)}.{checked} {least}"
+    return f"{' and '.join(sources)}.{checked} {least} {_word(case, compared=bool(witnesses))}"
+
+
+def _word(case: Case, *, compared: bool) -> str:
+    """Return how well the truth of a case is known: it is enclosed, cross-checked or estimated."""
+    proof = certificate_of(case)
+    if proof is None:
+        return f"It is {word_of(case, compared=compared)}."
+    if proof.distance is None:
+        return f"It is {proof.word}, without a proof: {proof.reason}."
+    until = "" if proof.until is None else f" until {number(proof.until)} s"
+    return f"It is {proof.word}{until}: a proof puts its attitude within {bound(proof.distance, 2)} rad of the exact one."
 
 
 def _source(truth: Told) -> str:

@@ -175,7 +175,7 @@ def test_truth_prints_its_arrays(calls_here: None) -> None:
     found = json.loads(done.stdout)
     arrays = ["t", "position", "quaternion", "velocity", "angular_velocity", "truth_error", "truth_position_error"]
     bounds = ["truth_velocity_error", "truth_angular_velocity_error", "truth_energy_error", "truth_angular_momentum_error"]
-    assert list(found) == ["case", "model", "reason", "backend", "witnesses", *arrays, *bounds]
+    assert list(found) == ["case", "model", "reason", "backend", "witnesses", "word", *arrays, *bounds]
     assert found["t"] == [0, 0.25, 1.5]
     expected = truth(load("gimbal-start"), [0, 0.25, 1.5])
     np.testing.assert_array_equal(found["position"], expected.trajectory.position)

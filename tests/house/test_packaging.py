@@ -26,6 +26,7 @@ SHIPPED = (
     "*.schema.json",
     "studies/estimate/factors.json",
     "sources.toml",
+    "certificates.json",
     "*/citation.bib",
     "templates/*.*",
     "templates/player/*.js",

@@ -14,6 +14,7 @@ from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.proof.enclosure import COORDINATES, QUANTITIES, Enclosure, NotEnclosed
 from bodycheck.reference.truths import Truth
+from tests.support.proofs import certificate_of
 from tests.support.proved_scenes import driven_slider, hinge_or_slider, top
 
 pytest.importorskip("flint")
@@ -67,6 +68,25 @@ def test_no_printed_bound_is_below_its_proof(seed: int) -> None:
     scene = hinge_or_slider(seed)
     found = mechanism_truth(scene, np.linspace(0, 3, 31))
     assert below(proof(scene, found), found) == []
+
+
+def test_energy_momentum_and_coordinates_of_joints_are_compared_too() -> None:
+    """A printed coordinate or velocity of a joint that is off, and bounds of energy and momentum of zero, are contradicted."""
+    scene = load("hinge-all").scene
+    assert isinstance(scene, Mechanism)
+    found = mechanism_truth(scene, np.linspace(0, 1, 5))
+    assert found.joints is not None
+    assert certificate_of(found, proof(scene, found)).faults == ()
+    turned = replace(found.joints, position=found.joints.position + 1e-12)
+    faster = replace(found.joints, velocity=found.joints.velocity * (1 + 1e-12))
+    sure = replace(found.bounds, energy_error=np.zeros(5), angular_momentum_error=np.zeros(5))
+    for wrong, words in (
+        (replace(found, joints=turned), ["of a joint's coordinate"]),
+        (replace(found, joints=faster), ["of a joint's velocity"]),
+        (replace(found, bounds=sure), ["in energy", "in angular momentum"]),
+    ):
+        faults = certificate_of(wrong, proof(scene, wrong)).faults
+        assert all(any(f"the error {each}, " in fault for fault in faults) for each in words), faults
 
 
 CHANGES: dict[str, Callable[[Joint], Joint]] = {

@@ -1,5 +1,6 @@
 """Enclosures of trees: polynomials near to a motion are proved to be near to it, whatever they come from."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -30,7 +31,7 @@ from bodycheck.reference.proof.trees.derivatives import along, each_alone
 
 def proof(scene: Mechanism, found: Truth) -> Enclosure:
     """The enclosure of a tree at the states of a truth."""
-    return proving.enclosed(scene, found.trajectory, found.joints, candidate_of(scene))
+    return proving.enclosed(scene, found.trajectory, found.joints, candidate_of(scene), math.inf)
 
 
 def below(enclosure: Enclosure, found: Truth) -> list[str]:
