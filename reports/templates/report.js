@@ -149,6 +149,7 @@
     const named = { ...options, downloadFileName: box.dataset.file };
     await vegaEmbed(box, specification, named).then(
       ({ view }) => {
+        box.querySelector("summary")?.setAttribute("aria-label", "Save this chart");
         if (!("hidden" in view.getState().signals)) return undefined;
         updates.add(() => follow(view, box));
         return hidden.size || chosen || foldedBy(legendOf(box)).size ? follow(view, box) : undefined;
