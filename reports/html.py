@@ -27,6 +27,9 @@ MOST_OPEN = 4
 #: The end of the licence in the script of the charts. The page contains it as it is, and what follows compressed.
 LICENCE_END = "*/\n"
 
+#: The most notices that are open at first.
+FEW_NOTICES = 2
+
 #: Matches a number with its unit in escaped text, except numbers inside names and character references.
 MEASURE = re.compile(
     r"(?<![\w.&#-])-?\d[\d.]*(?:e-?\d+)?(?: (?:rad/s|rad|m/s²|m/s|ms|m|µs|s|kg m²/s|kg m²|kg|%)(?!\w))?(?![\w;-])"
@@ -163,7 +166,7 @@ def _environment() -> jinja2.Environment:
     pages.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
     pages.filters["pieces"] = pieces
     pages.tests["sorted_apart"] = _is_sorted_apart
-    pages.globals |= {"zooming": charts.ZOOMING, "most_open": MOST_OPEN}
+    pages.globals |= {"zooming": charts.ZOOMING, "most_open": MOST_OPEN, "few_notices": FEW_NOTICES}
     return pages
 
 

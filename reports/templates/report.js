@@ -14,9 +14,7 @@
   };
 
   // Long arrays of datasets are stored by reports/runs/charts/packing.py as 16-bit integers.
-  const unpacked = (value) => {
-    if (typeof value?.codes !== "string") return value;
-    const { least, largest, log, codes } = value;
+  const unpacked = ([least, largest, codes], log) => {
     const bytes = Uint8Array.from(atob(codes), (character) => character.charCodeAt(0));
     const levels = new DataView(bytes.buffer);
     return Array.from({ length: bytes.length / 2 }, (_, k) => {
@@ -27,7 +25,10 @@
   };
   const datasetsOf = (id) => {
     const datasets = read(id);
-    for (const row of Object.values(datasets).flat()) for (const [key, value] of Object.entries(row)) row[key] = unpacked(value);
+    for (const [name, rows] of Object.entries(datasets))
+      for (const row of rows)
+        for (const [key, value] of Object.entries(row))
+          if (Array.isArray(value) && typeof value[2] === "string") row[key] = unpacked(value, name === "series" || name === "floor");
     return datasets;
   };
 
@@ -146,7 +147,7 @@
     if (!window.vegaEmbed) await load();
     const specification = { ...specifications[box.dataset.chart], width: "container" };
     if (box.dataset.data) specification.datasets = datasetsOf(box.dataset.data);
-    const named = { ...options, downloadFileName: box.dataset.file };
+    const named = { ...options, downloadFileName: box.parentElement.id.replace(/^curve-/, "") };
     await vegaEmbed(box, specification, named).then(
       ({ view }) => {
         box.querySelector("summary")?.setAttribute("aria-label", "Save this chart");
