@@ -41,12 +41,9 @@ CROP = """() => {
   svg.setAttribute("preserveAspectRatio", "none");
 }"""
 
-#: The case whose player is shown, and the style of both parts: numbers in one line, no further time steps, no legend.
+#: The case whose player is shown, and the style of the player: no legend.
 CASE = "intermediate-axis-flip"
-PLAIN = """
-#matrix td a { white-space: nowrap; }
-#matrix td a.other, .player .controls ~ * { display: none !important; }
-"""
+PLAIN = ".player .controls ~ * { display: none !important; }"
 
 #: What is shown side by side: a heading, the element of the report, and the width of the window that it is taken in, in pixels.
 PARTS = (
