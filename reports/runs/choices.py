@@ -272,16 +272,16 @@ def defaults(runs: Mapping[Kind, Sequence[Tried]]) -> tuple[Default, ...]:
     chosen = {kind: tries for kind, tries in runs.items() if kind.name != "contact"} or runs
     better: dict[tuple[str, str], Tried] = {}
     for one in (one for tries in chosen.values() for one in tries):
-        place = (one.line.engine, one.case)
-        if place not in better or one.error < better[place].error:
-            better[place] = one
+        pair = (one.line.engine, one.case)
+        if pair not in better or one.error < better[pair].error:
+            better[pair] = one
     worst: dict[str, Default] = {}
     for kind, tries in chosen.items():
         for one in tries:
             if one.default:
-                found = Default(kind, one, better[one.line.engine, one.case])
-                if one.line.engine not in worst or _urgency(found) > _urgency(worst[one.line.engine]):
-                    worst[one.line.engine] = found
+                default = Default(kind, one, better[one.line.engine, one.case])
+                if one.line.engine not in worst or _urgency(default) > _urgency(worst[one.line.engine]):
+                    worst[one.line.engine] = default
     return tuple(sorted(worst.values(), key=_urgency, reverse=True))
 
 

@@ -46,7 +46,7 @@ from bodycheck.results.header import Header
 from bodycheck.results.key import RunKey
 
 #: About the most numbers in four curves of each run together, so that even a large report opens. A number needs three bytes.
-MOST_NUMBERS = 240_000
+MOST_NUMBERS = 220_000
 
 #: The most points of a curve.
 MOST_POINTS = 256

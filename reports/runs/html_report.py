@@ -96,6 +96,6 @@ def _legend(section: Section, lines: Sequence[Line]) -> tuple[str, int]:
     """
     drawn = {row["method"] for row in section.curves.datasets["series"]}
     first = {line.label for line in section.first if line.label in drawn}
-    places = [place for place, line in enumerate(lines) if line.label in drawn]
-    places.sort(key=lambda place: lines[place].label not in first)
-    return " ".join(map(str, places)), len(first)
+    positions = [position for position, line in enumerate(lines) if line.label in drawn]
+    positions.sort(key=lambda position: lines[position].label not in first)
+    return " ".join(map(str, positions)), len(first)

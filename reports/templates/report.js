@@ -1,7 +1,7 @@
 "use strict";
 (() => {
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
-  const specifications = read("charts");
+  let specifications = null; // of all charts, by name
   const hidden = new Set();
   let chosen = ""; // the highlighted method, if the reader followed a link from one of its figures
   const updates = new Set(); // a function for each drawn chart that makes it follow the legend
@@ -32,12 +32,15 @@
     return datasets;
   };
 
-  // The library is stored compressed, and is read when the page is idle or the first chart is drawn.
+  // The library and the specifications are stored compressed, and are read when the page is idle or the first chart is drawn.
+  const inflated = (id) => {
+    const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (character) => character.charCodeAt(0));
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"))).text();
+  };
   let loading = null;
   const load = () => loading ??= (async () => {
-    const packed = Uint8Array.from(atob(document.getElementById("library").textContent), (character) => character.charCodeAt(0));
-    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-    new Function(await new Response(stream).text())();
+    specifications = JSON.parse(await inflated("charts"));
+    new Function(await inflated("library"))();
   })();
 
   // Charts are drawn one at a time when the page is idle, so that it responds in between.
