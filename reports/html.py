@@ -27,6 +27,9 @@ MOST_OPEN = 4
 #: The end of the licence in the script of the charts. The page contains it as it is, and what follows compressed.
 LICENCE_END = "*/\n"
 
+#: The most notices that are open at first.
+FEW_NOTICES = 2
+
 #: Matches a number with its unit in escaped text, except numbers inside names and character references.
 MEASURE = re.compile(
     r"(?<![\w.&#-])-?\d[\d.]*(?:e-?\d+)?(?: (?:rad/s|rad|m/s²|m/s|ms|m|µs|s|kg m²/s|kg m²|kg|%)(?!\w))?(?![\w;-])"
@@ -112,17 +115,17 @@ def page(
         Further variables of the template.
     """
     templates = resources.files("bodycheck.reports") / "templates"
-    licence, end, code = (templates / "vega.js").read_text("utf-8").partition(LICENCE_END)
+    licence, library = _library()
     return (
         _environment()
         .get_template(template)
         .render(
             header=header,
             notices=notices,
-            specifications=json_text(specifications),
+            specifications=deflated(json_text(specifications)),
             style=verbatim(colours() + (templates / "report.css").read_text("utf-8"), "style"),
-            licence=verbatim(licence + end, "script"),
-            library=_deflated(code),
+            licence=verbatim(licence, "script"),
+            library=library,
             index=index,
             folding=verbatim((templates / "folds.js").read_text("utf-8"), "script"),
             sorting=verbatim((templates / "tables.js").read_text("utf-8"), "script"),
@@ -151,7 +154,15 @@ def environment(room: str) -> jinja2.Environment:
 
 
 @cache
-def _deflated(text: str) -> str:
+def _library() -> tuple[str, str]:
+    """Return the licence of the script of the charts, and the compressed script."""
+    licence, end, code = (
+        (resources.files("bodycheck.reports") / "templates" / "vega.js").read_text("utf-8").partition(LICENCE_END)
+    )
+    return licence + end, deflated(code)
+
+
+def deflated(text: str) -> str:
     """Return a text as base64 of its compressed bytes, without the header that says so (raw DEFLATE)."""
     press = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
     return b64encode(press.compress(text.encode("utf-8")) + press.flush()).decode("ascii")
@@ -163,7 +174,7 @@ def _environment() -> jinja2.Environment:
     pages.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
     pages.filters["pieces"] = pieces
     pages.tests["sorted_apart"] = _is_sorted_apart
-    pages.globals |= {"zooming": charts.ZOOMING, "most_open": MOST_OPEN}
+    pages.globals |= {"zooming": charts.ZOOMING, "most_open": MOST_OPEN, "few_notices": FEW_NOTICES}
     return pages
 
 

@@ -265,22 +265,28 @@ class Default:
 def defaults(runs: Mapping[Kind, Sequence[Tried]]) -> tuple[Default, ...]:
     """Return the default method of each engine in the case in which it is worst, the worst engine first.
 
-    Cases with contact count only if there are no others, since the model of the contact matters more there than the method.
+    Cases in which a reader can do something about it come first: those in which another method of the engine is accurate
+    enough. Cases with contact count only if there are no others, since the model of the contact matters more there than the
+    method.
     """
     chosen = {kind: tries for kind, tries in runs.items() if kind.name != "contact"} or runs
-    worst: dict[str, tuple[Tried, Kind]] = {}
+    better: dict[tuple[str, str], Tried] = {}
+    for one in (one for tries in chosen.values() for one in tries):
+        pair = (one.line.engine, one.case)
+        if pair not in better or one.error < better[pair].error:
+            better[pair] = one
+    worst: dict[str, Default] = {}
     for kind, tries in chosen.items():
         for one in tries:
-            if one.default and (one.line.engine not in worst or one.error > worst[one.line.engine][0].error):
-                worst[one.line.engine] = one, kind
-    ordered = sorted(worst.values(), key=lambda pair: -pair[0].error)
-    return tuple(Default(kind, one, _better(one, chosen[kind])) for one, kind in ordered)
+            if one.default:
+                default = Default(kind, one, better[one.line.engine, one.case])
+                if one.line.engine not in worst or _urgency(default) > _urgency(worst[one.line.engine]):
+                    worst[one.line.engine] = default
+    return tuple(sorted(worst.values(), key=_urgency, reverse=True))
 
 
-def _better(worst: Tried, runs: Sequence[Tried]) -> Tried:
-    """Return the run of the same engine and case with the smallest error."""
-    beside = [one for one in runs if (one.line.engine, one.case) == (worst.line.engine, worst.case)]
-    return min(beside, key=lambda one: one.error)
+def _urgency(default: Default) -> tuple[bool, float]:
+    return default.better.error <= ENOUGH < default.worst.error, default.worst.error
 
 
 def attention(cases: Sequence[Shown], lines: Mapping[RunKey, Line], demonstrations: Collection[RunKey]) -> Iterator[Finding]:

@@ -45,8 +45,8 @@ from bodycheck.reports.time_limit import TookTooLong, limited
 from bodycheck.results.header import Header
 from bodycheck.results.key import RunKey
 
-#: The most numbers in all curves of a report together, about 4 MB, so that even a large report opens.
-MOST_NUMBERS = 300_000
+#: About the most numbers in four curves of each run together, so that even a large report opens. A number needs three bytes.
+MOST_NUMBERS = 220_000
 
 #: The most points of a curve.
 MOST_POINTS = 256

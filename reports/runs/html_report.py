@@ -14,7 +14,7 @@ from bodycheck.reports.runs.charts.packing import packed
 from bodycheck.reports.runs.charts.time_charts import FRAMES, joints, momentum, over_time, readings
 from bodycheck.reports.runs.contents import Contents, Section
 
-#: The most cases of which each has a link in the index; of more, the pictures of the scenes are the links.
+#: The most cases of which each has a link in the index; more are found by a field (folds.js).
 MOST_LISTED = 12
 
 
@@ -50,7 +50,9 @@ def index(contents: Contents) -> list[Link]:
     )
     listed = contents.sections if len(contents.sections) <= MOST_LISTED else ()
     cases = (Link(f"case-{section.name}", section.name, True, section.name in failed) for section in listed)
-    kinds = (Link(f"matrix-{matrix.kind.name}", matrix.kind.title, True) for matrix in contents.matrices)
+    kinds = (
+        Link(f"matrix-{matrix.kind.name}", f"{matrix.kind.title} ({len(matrix.rows)})", True) for matrix in contents.matrices
+    )
     further = [Link("further", "Where errors come from")] if contents.findings else []
     trades = [Link("trades", "Error over cost")] if len(contents.trades) > 1 else []
     return [
@@ -94,6 +96,6 @@ def _legend(section: Section, lines: Sequence[Line]) -> tuple[str, int]:
     """
     drawn = {row["method"] for row in section.curves.datasets["series"]}
     first = {line.label for line in section.first if line.label in drawn}
-    places = [place for place, line in enumerate(lines) if line.label in drawn]
-    places.sort(key=lambda place: lines[place].label not in first)
-    return " ".join(map(str, places)), len(first)
+    positions = [position for position, line in enumerate(lines) if line.label in drawn]
+    positions.sort(key=lambda position: lines[position].label not in first)
+    return " ".join(map(str, positions)), len(first)

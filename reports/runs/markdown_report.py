@@ -76,8 +76,8 @@ def _matrix(matrix: Matrix) -> str:
     unless = ", unless another is given" if steps else ""
     same = " A method marked “= A” is the same algorithm as A." if any(own.same_as for own in matrix.columns) else ""
     size = f"{amounts} The time step is {milliseconds(matrix.timestep)}{unless}.{same}"
-    folded = [place for place, column in enumerate(matrix.columns) if column.folded]
-    shown = [place for place in range(len(matrix.columns)) if place not in folded]
+    folded = [position for position, column in enumerate(matrix.columns) if column.folded]
+    shown = [position for position in range(len(matrix.columns)) if position not in folded]
     parts = [f"### {title}", size, _columns(matrix, shown)]
     if folded:
         others = sum(engine.methods for engine in matrix.engines)
@@ -85,10 +85,10 @@ def _matrix(matrix: Matrix) -> str:
     return "\n\n".join(parts)
 
 
-def _columns(matrix: Matrix, places: Sequence[int]) -> str:
+def _columns(matrix: Matrix, positions: Sequence[int]) -> str:
     """Return a table with the columns of a matrix at these positions."""
-    head = ("Case", *(f"{matrix.columns[place].engine} {_method(matrix.columns[place])}" for place in places))
-    rows = [(row.case, *(_cell(row.cells[place], matrix.timestep) for place in places)) for row in matrix.rows]
+    head = ("Case", *(f"{matrix.columns[position].engine} {_method(matrix.columns[position])}" for position in positions))
+    rows = [(row.case, *(_cell(row.cells[position], matrix.timestep) for position in positions)) for row in matrix.rows]
     return grid(head, rows, numeric_from=1)
 
 

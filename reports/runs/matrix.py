@@ -156,12 +156,12 @@ class Matrix:
             colours.setdefault(column.engine, column.colour)
         found = []
         for engine in dict.fromkeys(column.engine for column in self.columns):
-            own = [place for place, column in enumerate(self.columns) if column.engine == engine]
-            folded = [place for place in own if self.columns[place].folded]
-            cells = [cell for row in self.rows for place in folded if (cell := row.cells[place]) is not None]
+            positions = [position for position, column in enumerate(self.columns) if column.engine == engine]
+            folded = [position for position in positions if self.columns[position].folded]
+            cells = [cell for row in self.rows for position in folded if (cell := row.cells[position]) is not None]
             failed = sum(figure.failed for cell in cells for figure in cell.figures)
-            methods = len({self.columns[place].integrator for place in folded})
-            found.append(EngineColumns(engine, colours[engine], len(own), len(own) - len(folded), methods, failed))
+            methods = len({self.columns[position].integrator for position in folded})
+            found.append(EngineColumns(engine, colours[engine], len(positions), len(positions) - len(folded), methods, failed))
         return tuple(found)
 
     @property
@@ -250,8 +250,8 @@ def _matrix(
         by_case[verdict.run.case].append(verdict)
     rows = []
     for name, case in cases.items():
-        own = by_case[name]
-        step = common if not own or any(one.run.method.timestep == common for one in own) else _common(own)
+        runs = by_case[name]
+        step = common if not runs or any(one.run.method.timestep == common for one in runs) else _common(runs)
         cells = tuple(_cell(by_cell.get(replace(key, case=name), ()), step) for key in columns)
         rows.append(Row(name, " ".join((name, *case.tags)), step, cells))
     sets = tuple(dict.fromkeys(line.results for line in lines.values()))
@@ -270,10 +270,12 @@ def _folded(columns: tuple[Column, ...], rows: Sequence[Row]) -> tuple[Column, .
         return columns
     shown = set()
     for engine in {column.engine for column in columns}:
-        own = [
-            (column, tuple(row.cells[place] for row in rows)) for place, column in enumerate(columns) if column.engine == engine
+        methods = [
+            (column, tuple(row.cells[position] for row in rows))
+            for position, column in enumerate(columns)
+            if column.engine == engine
         ]
-        shown |= {(engine, own[0][0].integrator), (engine, best(own))}
+        shown |= {(engine, methods[0][0].integrator), (engine, best(methods))}
     return tuple(replace(column, folded=(column.engine, column.integrator) not in shown) for column in columns)
 
 

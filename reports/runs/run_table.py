@@ -154,15 +154,15 @@ def _integrator(verdict: Verdict, anchor: str, demonstrations: Mapping[RunKey, s
 
 def _versions(verdicts: Sequence[Verdict]) -> dict[str, set[str]]:
     """Return the versions of each engine; a name such as mujoco@3.1.0 has its version in itself."""
-    found: dict[str, set[str]] = {}
+    versions: dict[str, set[str]] = {}
     for verdict in verdicts:
         engine, version = verdict.run.engine, verdict.run.version
-        found.setdefault(engine, set()).update({version} if version and "@" not in engine else ())
-    return found
+        versions.setdefault(engine, set()).update({version} if version and "@" not in engine else ())
+    return versions
 
 
 def _version_notes(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
-    only = [f"{engine} {version}" for engine, own in _versions(verdicts).items() if len(own) == 1 for version in own]
+    only = [f"{engine} {version}" for engine, those in _versions(verdicts).items() if len(those) == 1 for version in those]
     return (f"Versions: {', '.join(only)}.",) if only else ()
 
 

@@ -41,6 +41,36 @@
     index.querySelector("nav").append(line);
   }
 
+  // Of many cases the index has no links, but a field that finds them by name, title or tag.
+  const [LISTED, FOUND] = [12, 8]; // the most cases with links of their own, as in html_report.py, and the most that are shown
+  const cases = [...document.querySelectorAll("section[id^='case-']")];
+  if (cases.length > LISTED) {
+    const [line, name, field, list] = ["p", "label", "input", "ol"].map((kind) => document.createElement(kind));
+    const tags = new Map([...document.querySelectorAll("#matrix tr[data-case]")].map((row) => [row.dataset.case, row.dataset.words]));
+    const textOf = (one) => `${one.id.slice(5)} ${one.querySelector("h2").textContent} ${tags.get(one.id.slice(5)) ?? ""}`.toLowerCase();
+    const entryOf = (text, target) => {
+      const entry = document.createElement("li");
+      entry.append(target ? Object.assign(document.createElement("a"), { href: `#${target}`, textContent: text }) : text);
+      return entry;
+    };
+    const find = () => {
+      const wanted = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+      const found = wanted.length ? cases.filter((one) => wanted.every((word) => textOf(one).includes(word))) : [];
+      const more = found.length - FOUND;
+      list.replaceChildren(...found.slice(0, FOUND).map(({ id }) => entryOf(id.slice(5), id)));
+      if (wanted.length && (more > 0 || !found.length)) list.append(entryOf(found.length ? `and ${more} more` : "no case"));
+    };
+    line.className = "find";
+    name.htmlFor = field.id = "find-case";
+    name.textContent = "Find a case";
+    field.type = "search";
+    list.setAttribute("aria-live", "polite");
+    field.addEventListener("input", find);
+    field.addEventListener("keydown", (event) => event.key === "Enter" && list.querySelector("a")?.click());
+    line.append(name, field);
+    index.querySelector("nav").prepend(line, list);
+  }
+
   // Of an engine with many methods, all columns but those of its first and its best method are hidden until the reader opens them.
   for (const note of document.querySelectorAll("[data-folds]")) note.hidden = false;
   const foldable = (head, before) => {
@@ -69,7 +99,7 @@
   }
 
   // The index marks the section that the reader has reached.
-  const links = new Map([...index.querySelectorAll("a")].map((link) => [named(link.hash), link]));
+  const links = new Map([...index.querySelectorAll("nav > ol:not([aria-live]) a")].map((link) => [named(link.hash), link]));
   const places = [...links.keys()];
   let current = null;
   let asked = false;

@@ -1,7 +1,7 @@
 "use strict";
 (() => {
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
-  const specifications = read("charts");
+  let specifications = null; // of all charts, by name
   const hidden = new Set();
   let chosen = ""; // the highlighted method, if the reader followed a link from one of its figures
   const updates = new Set(); // a function for each drawn chart that makes it follow the legend
@@ -14,9 +14,7 @@
   };
 
   // Long arrays of datasets are stored by reports/runs/charts/packing.py as 16-bit integers.
-  const unpacked = (value) => {
-    if (typeof value?.codes !== "string") return value;
-    const { least, largest, log, codes } = value;
+  const unpacked = ([least, largest, codes], log) => {
     const bytes = Uint8Array.from(atob(codes), (character) => character.charCodeAt(0));
     const levels = new DataView(bytes.buffer);
     return Array.from({ length: bytes.length / 2 }, (_, k) => {
@@ -27,16 +25,22 @@
   };
   const datasetsOf = (id) => {
     const datasets = read(id);
-    for (const row of Object.values(datasets).flat()) for (const [key, value] of Object.entries(row)) row[key] = unpacked(value);
+    for (const [name, rows] of Object.entries(datasets))
+      for (const row of rows)
+        for (const [key, value] of Object.entries(row))
+          if (Array.isArray(value) && typeof value[2] === "string") row[key] = unpacked(value, name === "series" || name === "floor");
     return datasets;
   };
 
-  // The library is stored compressed, and is read when the page is idle or the first chart is drawn.
+  // The library and the specifications are stored compressed, and are read when the page is idle or the first chart is drawn.
+  const inflated = (id) => {
+    const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (character) => character.charCodeAt(0));
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"))).text();
+  };
   let loading = null;
   const load = () => loading ??= (async () => {
-    const packed = Uint8Array.from(atob(document.getElementById("library").textContent), (character) => character.charCodeAt(0));
-    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-    new Function(await new Response(stream).text())();
+    specifications = JSON.parse(await inflated("charts"));
+    new Function(await inflated("library"))();
   })();
 
   // Charts are drawn one at a time when the page is idle, so that it responds in between.
@@ -146,9 +150,10 @@
     if (!window.vegaEmbed) await load();
     const specification = { ...specifications[box.dataset.chart], width: "container" };
     if (box.dataset.data) specification.datasets = datasetsOf(box.dataset.data);
-    const named = { ...options, downloadFileName: box.dataset.file };
+    const named = { ...options, downloadFileName: box.parentElement.id.replace(/^curve-/, "") };
     await vegaEmbed(box, specification, named).then(
       ({ view }) => {
+        box.querySelector("summary")?.setAttribute("aria-label", "Save this chart");
         if (!("hidden" in view.getState().signals)) return undefined;
         updates.add(() => follow(view, box));
         return hidden.size || chosen || foldedBy(legendOf(box)).size ? follow(view, box) : undefined;

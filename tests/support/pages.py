@@ -1,6 +1,8 @@
 """Pages as tests of reports read them, and what every page must keep."""
 
 import re
+import zlib
+from base64 import b64decode
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from itertools import pairwise
@@ -52,6 +54,12 @@ class Page(HTMLParser):
         self.text += data
         if self.rows and self.rows[-1]:
             self.rows[-1][-1] += data
+
+
+def inflated(page: str, name: str) -> str:
+    """The text that a script element of a page has compressed."""
+    stored = page.partition(f'id="{name}">')[2].partition("</script>")[0]
+    return zlib.decompress(b64decode(stored), -zlib.MAX_WBITS).decode()
 
 
 def check(page: str) -> None:

@@ -50,11 +50,11 @@ def _coincide(one: Array, other: Array) -> bool:
 
 def bands(groups: Sequence[Sequence[str]]) -> dict[str, int]:
     """Return the widths (pixels) of the bands around curves that lie below others, by label; groups: those of `coinciding`."""
-    found = {}
+    widths = {}
     for group in groups:
-        for place, label in enumerate(reversed(group[:-1])):
-            found[label] = NARROWEST + BROADER * min(place, MOST_WIDTHS - 1)
-    return found
+        for above, label in enumerate(reversed(group[:-1])):
+            widths[label] = NARROWEST + BROADER * min(above, MOST_WIDTHS - 1)
+    return widths
 
 
 def told(groups: Sequence[Sequence[str]]) -> str:

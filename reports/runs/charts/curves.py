@@ -216,7 +216,7 @@ def _alike(shapes: Mapping[tuple[str, str], Mapping[str, Array]]) -> dict[str, t
     groups: dict[str, list[list[str]]] = {}
     for (name, _), curves in shapes.items():
         groups.setdefault(name, []).extend(coincidence.coinciding(curves))
-    return {name: (coincidence.bands(own), coincidence.told(own)) for name, own in groups.items()}
+    return {name: (coincidence.bands(alike), coincidence.told(alike)) for name, alike in groups.items()}
 
 
 def _words(name: str, peaks: Mapping[str, float], gaps: Sequence[str], alike: str) -> Drawn:

@@ -36,8 +36,10 @@ def first_lines(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line], quant
     engines: dict[str, list[list[Verdict]]] = {}
     for method, runs in methods.items():
         engines.setdefault(method.engine, []).append(runs)
-    defaults = [next((runs for runs in own if "default" in (runs[0].run.role or "")), own[0]) for own in engines.values()]
-    best = [min(own, key=lambda runs: _error(runs, quantity)) for own in engines.values()]
+    defaults = [
+        next((runs for runs in offered if "default" in (runs[0].run.role or "")), offered[0]) for offered in engines.values()
+    ]
+    best = [min(offered, key=lambda runs: _error(runs, quantity)) for offered in engines.values()]
     defaults.sort(key=lambda runs: -_error(runs, quantity))
     best.sort(key=lambda runs: _error(runs, quantity))
     others = sorted(methods.values(), key=lambda runs: _error(runs, quantity))

@@ -61,9 +61,9 @@ def _errors(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line], name: str
 def _alike(errors: Mapping[Line, Mapping[float, float]]) -> list[list[str]]:
     """Return the labels of methods of one set of results whose errors at the same time steps coincide, in groups."""
     by_steps: dict[tuple[str, frozenset[float]], dict[str, Array]] = {}
-    for line, own in errors.items():
-        values = np.array([own[step] for step in sorted(own)])
-        by_steps.setdefault((line.results, frozenset(own)), {})[line.label] = values
+    for line, by_step in errors.items():
+        values = np.array([by_step[step] for step in sorted(by_step)])
+        by_steps.setdefault((line.results, frozenset(by_step)), {})[line.label] = values
     return [group for curves in by_steps.values() for group in coincidence.coinciding(curves)]
 
 

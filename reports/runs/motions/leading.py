@@ -48,5 +48,6 @@ def leading(playbacks: Mapping[str, Playback | None], default: Default | None, c
         labels = [run["label"] for run in played.data["runs"]]
         names = dict.fromkeys(name_of(one.line) for one in wanted if one.case == case)
         shown = [labels.index(name) for name in names if name in labels] or list(played.data["shown"])
-        return Leading(case, played.alt, tuple(shown[:MOST_SHOWN]))
+        if shown:
+            return Leading(case, played.alt, tuple(shown[:MOST_SHOWN]))
     return None

@@ -99,7 +99,7 @@ def test_a_page_stands_alone(page: str, study: Study) -> None:
 
 
 def test_every_chart_is_stored_once_under_its_name(page: str, study: Study) -> None:
-    stored = json.loads(page.partition('id="charts">')[2].partition("</script>")[0])
+    stored = json.loads(pages.inflated(page, "charts"))
     named = [dict(attrs)["data-chart"] for attrs in attributes_of(page, "div") if "data-chart" in dict(attrs)]
     assert sorted(stored) == sorted(str(name) for name in named)
     for part in study.report.parts:

@@ -6,7 +6,7 @@ import vl_convert
 
 from bodycheck.reports.runs.charts import coincidence
 from bodycheck.reports.runs.charts.step_charts import over_steps
-from tests.reports.runs.test_step_charts import ran
+from tests.support.measured_runs import FLIP, ran
 
 GROWING = np.geomspace(1e-9, 1e-3, 60)
 
@@ -51,12 +51,16 @@ def test_all_names_or_their_number_are_told() -> None:
 
 def test_a_method_below_another_is_drawn_as_a_band() -> None:
     """The errors of both are the same at all steps."""
-    runs = [ran(name, step, error) for name in ("RK4", "Euler") for step, error in ((0.004, 4e-6), (0.002, 2e-7))]
+    runs = [
+        ran(FLIP, "mujoco", name, step, attitude_error=error, position_error=0.0)
+        for name in ("RK4", "Euler")
+        for step, error in ((0.004, 4e-6), (0.002, 2e-7))
+    ]
     (chart,) = over_steps(runs).charts
     assert "mujoco RK4 and mujoco Euler" in chart.notes[0]
     svg = vl_convert.vegalite_to_svg(chart.specification)
     assert svg.count('stroke-width="6"') == 1
-    apart = [*runs[:2], ran("Euler", 0.004, 4e-2), ran("Euler", 0.002, 2e-2)]
-    (chart,) = over_steps(apart).charts
+    other = [ran(FLIP, timestep=step, attitude_error=10 * step, position_error=0.0) for step in (0.004, 0.002)]
+    (chart,) = over_steps([*runs[:2], *other]).charts
     assert chart.notes == ()
     assert 'stroke-width="6"' not in vl_convert.vegalite_to_svg(chart.specification)
