@@ -23,7 +23,7 @@ DIST = ROOT / "dist"
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Build, check and try the distributions of the last commit.")
-    parser.add_argument("--try", dest="interpreters", nargs="+", type=Path, default=[Path(sys.executable)], metavar="PYTHON")
+    parser.add_argument("--try", dest="interpreters", nargs="+", type=named, default=[Path(sys.executable)], metavar="PYTHON")
     interpreters: list[Path] = parser.parse_args().interpreters
     version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
     if uncommitted := _git("status", "--porcelain").splitlines():
@@ -43,6 +43,12 @@ def main() -> None:
             place.mkdir()
             checkout = building.checkout(Path(folder)) if number == 0 else None
             print(trial.tried(python, sorted(DIST.glob("*.whl")), place, checkout), flush=True)
+
+
+def named(interpreter: str) -> Path:
+    """Return an interpreter that can be called from any folder: a path is made absolute, and a name alone is found on PATH."""
+    path = Path(interpreter)
+    return path if path.name == interpreter else path.absolute()  # links are kept: an environment's interpreter is one
 
 
 def _git(*arguments: str) -> str:

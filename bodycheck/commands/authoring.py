@@ -11,18 +11,8 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
-from bodycheck.console.options import (
-    AS_THEY_ARE,
-    AS_USUAL,
-    Engines,
-    Integrators,
-    Jobs,
-    Json,
-    OfRobots,
-    Quiet,
-    Timesteps,
-    Viewed,
-)
+from bodycheck.console.arguments import AS_THEY_ARE
+from bodycheck.console.options import AS_USUAL, Engines, Integrators, Jobs, Json, OfRobots, Quiet, Timesteps, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
 
 

@@ -25,9 +25,11 @@ Sources = Annotated[
 #: The year of this release.
 YEAR = 2026
 
-#: Characters that LaTeX takes for commands, and how they are written.
+#: Characters that LaTeX takes for commands, and how they are written. BibTeX counts braces with a backslash before them too.
 ESCAPED = {
-    **{character: f"\\{character}" for character in "{}&%$#_"},
+    **{character: f"\\{character}" for character in "&%$#_"},
+    "{": r"{\textbraceleft}",
+    "}": r"{\textbraceright}",
     "\\": r"{\textbackslash}",
     "~": r"{\textasciitilde}",
     "^": r"{\textasciicircum}",

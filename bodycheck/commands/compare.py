@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 from bodycheck.console import arguments
-from bodycheck.console.options import AS_THEY_ARE, AS_USUAL, Figures, Json, JUnit, OfRobots, Out, Quiet, Viewed
+from bodycheck.console.arguments import AS_THEY_ARE
+from bodycheck.console.options import AS_USUAL, Figures, Json, JUnit, OfRobots, Out, Quiet, Viewed
 
 
 def compare(

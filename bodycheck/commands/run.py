@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
+from bodycheck.console.arguments import AS_THEY_ARE
 from bodycheck.console.options import (
-    AS_THEY_ARE,
     AS_USUAL,
     AllowMissing,
     CaseName,

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
-from bodycheck.console.options import AS_THEY_ARE, AS_USUAL, Json, OfRobots, Viewed
+from bodycheck.console.arguments import AS_THEY_ARE
+from bodycheck.console.options import AS_USUAL, Json, OfRobots, Viewed
 from bodycheck.errors import FAILED, OK, BadInput, Failed
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bodycheck.console.options import AS_THEY_ARE, Robots
+from bodycheck.casefile.robot_notes import Ignored
 from bodycheck.errors import BadInput, Failed
 from bodycheck.files import writing
 from bodycheck.suggestion import did_you_mean
@@ -18,6 +18,25 @@ if TYPE_CHECKING:
     from bodycheck.results.unchecked import Absence
     from bodycheck.running.named import Decision, Named
 
+
+@dataclass(frozen=True)
+class Robots:
+    """The way in which files of robots are read that are given in the place of cases. The command line shows these texts.
+
+    Attributes
+    ----------
+    package_path
+        A folder in which packages of robots are found. May be given several times.
+    ignore
+        What is left out of a robot's file that is given in the place of a case. May be given several times.
+    """
+
+    package_path: tuple[Path, ...] = ()
+    ignore: tuple[Ignored, ...] = ()
+
+
+#: The options of a command that has none of them.
+AS_THEY_ARE = Robots()
 
 #: The largest number of scenes in a batch. Their models and states need some gigabytes in some engines.
 MOST_SCENES = 100_000

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from bodycheck.casefile.robot_notes import Ignored
+from bodycheck.console.arguments import Robots
 from bodycheck.errors import BadInput
 
 #: One of several cases.
@@ -105,32 +105,8 @@ class View:
         return tuple(filter(None, (name.strip() for name in self.columns.split(","))))
 
 
-@dataclass(frozen=True)
-class Robots:
-    """The way in which files of robots are read that are given in the place of cases.
-
-    Attributes
-    ----------
-    package_path
-        Folders of packages, in which files are found that a robot's file names. This is also for the models of case files.
-    ignore
-        What is left out on purpose, as by the key `ignore` of [model] in a case file.
-    """
-
-    package_path: Annotated[
-        tuple[Path, ...], Parameter(help="A folder in which packages of robots are found. May be given several times.")
-    ] = ()
-    ignore: Annotated[
-        tuple[Ignored, ...],
-        Parameter(help="What is left out of a robot's file that is given in the place of a case. May be given several times."),
-    ] = ()
-
-
-#: The reading of robots' files as two options of a command.
+#: The reading of robots' files as two options of a command, whose help is in the docstring of the class.
 OfRobots = Annotated[Robots, Parameter(name="*")]
-
-#: The options of a command that has none of them.
-AS_THEY_ARE = Robots()
 
 #: A view as three options of a command.
 Viewed = Annotated[View, Parameter(name="*")]

@@ -10,8 +10,16 @@ from typing import Any
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.case import Case, is_shipped
-from bodycheck.console.arguments import Engines, files_of, load_engines, processes, read_cases, tell_left_out
-from bodycheck.console.options import AS_THEY_ARE, Robots
+from bodycheck.console.arguments import (
+    AS_THEY_ARE,
+    Engines,
+    Robots,
+    files_of,
+    load_engines,
+    processes,
+    read_cases,
+    tell_left_out,
+)
 from bodycheck.console.progress import progress as shown
 from bodycheck.console.robots import noticed
 from bodycheck.files.temporary import temporary_folder

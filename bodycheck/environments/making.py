@@ -21,7 +21,6 @@ from importlib import metadata
 from pathlib import Path
 from subprocess import CompletedProcess
 
-from packaging.requirements import Requirement
 from packaging.version import InvalidVersion, Version
 
 from bodycheck.adapters.installation import Installation
@@ -284,6 +283,8 @@ def _other_folders() -> list[str]:
 
 def _oldest(package: str) -> str:
     """Return the requirement for the oldest releases of a package that bodycheck supports, as `scipy==1.14.*`."""
+    from packaging.requirements import Requirement  # commands that make no environment do not need its parser
+
     needs = (need for need in map(Requirement, metadata.requires("bodycheck") or ()) if need.name == package)
     (least,) = (spec.version for need in needs for spec in need.specifier if spec.operator == ">=")
     return f"{package}=={least}.*"

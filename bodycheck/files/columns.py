@@ -7,18 +7,21 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
 from numpy.typing import NDArray
 
 
 def of_numbers(numbers: NDArray[np.float64]) -> Any:
     """Return a column with numbers (n,)."""
+    import pyarrow as pa  # it is large, and only what writes and reads tables needs it
+
     values = np.ascontiguousarray(numbers, dtype=np.float64)
     return pa.Array.from_buffers(pa.float64(), len(values), [None, pa.py_buffer(values)])
 
 
 def of_values(values: Sequence[Any], kind: Any) -> Any:
     """Return a column with values of a type: booleans, 64-bit integers, 64-bit floats or strings; None if missing."""
+    import pyarrow as pa
+
     missing = np.array([value is None for value in values], dtype=bool)
     validity = pa.py_buffer(np.packbits(~missing, bitorder="little")) if missing.any() else None
     if kind == pa.string():

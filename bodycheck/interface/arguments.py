@@ -8,8 +8,7 @@ from typing import TypeAlias
 from bodycheck import conversion
 from bodycheck.casefile.case import Case, load, parse_stored, shipped
 from bodycheck.casefile.mechanisms.grammar import IGNORED
-from bodycheck.console.arguments import case_names, load_case, load_cases, processes
-from bodycheck.console.options import AS_THEY_ARE, Robots
+from bodycheck.console.arguments import AS_THEY_ARE, Robots, case_names, load_case, load_cases, processes
 from bodycheck.console.ran import Given
 from bodycheck.errors import BadInput
 

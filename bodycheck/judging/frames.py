@@ -4,8 +4,6 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-import pyarrow as pa
-
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.files import columns
@@ -14,6 +12,7 @@ from bodycheck.judging.judgement import Verdict
 
 if TYPE_CHECKING:
     import pandas as pd
+    import pyarrow as pa
 
 
 def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
@@ -21,6 +20,8 @@ def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
 
     Raises `BadInput` if pandas is not installed.
     """
+    import pyarrow as pa
+
     try:
         import pandas as pd  # it is large, and nothing else needs it
     except ModuleNotFoundError as error:
@@ -31,8 +32,10 @@ def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
     return frame
 
 
-def arrow(verdicts: Iterable[Verdict]) -> pa.Table:
+def arrow(verdicts: Iterable[Verdict]) -> "pa.Table":
     """Return the rows of `judgement.records` as a table of PyArrow. The types of its columns do not depend on the values."""
+    import pyarrow as pa  # it is large, and only results need it
+
     rows = judgement.records(verdicts)
     names = list(rows[0]) if rows else list(judgement.COLUMNS)
     types = {"boolean": pa.bool_(), "integer": pa.int64(), "number": pa.float64()}

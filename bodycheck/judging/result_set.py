@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 
 from bodycheck.adapters.contract import Kind
 from bodycheck.errors import BadInput
@@ -19,12 +18,15 @@ from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.judgement import Compared, Verdict
 from bodycheck.judging.schemes.classes import MethodClass
 from bodycheck.judging.schemes.run_classes import classes_of
-from bodycheck.judging.sensors import measurement
-from bodycheck.judging.sensors.rows import SensorRow
 from bodycheck.results import csv_tables, origin
 from bodycheck.results.origin import Origins, with_origin
 from bodycheck.results.store import Results
 from bodycheck.results.tables import RESULTS
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+    from bodycheck.judging.sensors.rows import SensorRow
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +51,7 @@ class ResultSet:
     verdicts: Sequence[Verdict]
     parts: Sequence[Attribution] = ()
     label: str = ""
-    sensors: Sequence[SensorRow] = ()
+    sensors: "Sequence[SensorRow]" = ()
 
     @property
     def failed(self) -> bool:
@@ -81,6 +83,8 @@ class ResultSet:
 
 def judged(results: Results, label: str = "", compared: Compared | None = None) -> ResultSet:
     """Judge results, and return them with a label. compared: the figures of runs that are already compared."""
+    from bodycheck.judging.sensors import measurement  # it imports the reference, which the processes of commands start without
+
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite
         verdicts = [replace(verdict, label=label) for verdict in judgement.judge(results, compared=compared)]
         parts = attribution.attribute(results, verdicts)
@@ -109,6 +113,8 @@ def write(sets: Sequence[ResultSet], folder: Path) -> None:
 
     All files state the origins of their numbers: beside a CSV file is a file with its metadata. Raises `NotWritten`.
     """
+    from bodycheck.judging.sensors import measurement
+
     origins = [origin.stored(one.results.header, one.label) for one in sets]
     verdicts = [verdict for one in sets for verdict in one.verdicts]
     table = frames.arrow(verdicts)
@@ -118,7 +124,9 @@ def write(sets: Sequence[ResultSet], folder: Path) -> None:
     measurement.write({one.label: one.sensors for one in sets}, folder, origins)
 
 
-def _parquet(table: pa.Table, origins: Origins) -> bytes:
+def _parquet(table: "pa.Table", origins: Origins) -> bytes:
+    import pyarrow.parquet as pq  # it is large, and only results need it
+
     content = io.BytesIO()
     pq.write_table(with_origin(table, origins), content)
     return content.getvalue()

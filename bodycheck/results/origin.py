@@ -11,8 +11,6 @@ from collections.abc import Mapping, Sequence
 from hashlib import sha256
 from typing import Any
 
-import pyarrow as pa
-
 from bodycheck.figures.column import Column
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.results.header import DESCRIPTIONS, Header, StoredHeader
@@ -74,6 +72,8 @@ def beside(table: Table[Any], columns: Sequence[str], origins: Origins) -> bytes
 
 def with_origin(table: Any, origins: Origins) -> Any:
     """Return an Arrow table whose schema has the origins, and whose fields have their units and meanings, as metadata."""
+    import pyarrow as pa  # it is large, and only tables with an origin need it
+
     fields = []
     for field in table.schema:
         column = COLUMNS.get(field.name)

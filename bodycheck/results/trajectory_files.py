@@ -12,8 +12,6 @@ from pathlib import Path
 from urllib.parse import quote
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 
 from bodycheck.casefile.values import MAX_SAMPLES
 from bodycheck.errors import BadFolder
@@ -100,6 +98,9 @@ def write(folder: Path, path: Path, trajectory: Trajectory, more: Mapping[str, A
     NotWritten
         The file cannot be written.
     """
+    import pyarrow as pa  # it is large, and a command that has only been imported has no files
+    import pyarrow.parquet as pq
+
     parts = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
     states = np.moveaxis(np.concatenate(parts, axis=-1), -1, -2).reshape(-1, len(trajectory))
     named = {"t": trajectory.t, **dict(zip(_columns_of(bodies), states, strict=True)), **more}
@@ -170,6 +171,9 @@ def _columns(file: Path, bodies: Sequence[str], wanted: Sequence[str], more: Seq
 
     Raises `BadFolder` if the file is missing or damaged.
     """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     try:
         stored = pq.ParquetFile(pa.BufferReader(reading.content(file, MAX_BYTES)))
         if not 1 <= stored.metadata.num_rows <= MAX_SAMPLES:

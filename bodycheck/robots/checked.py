@@ -8,7 +8,6 @@ to other files.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from xml.sax.saxutils import escape, quoteattr
 
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.files import writing
@@ -30,6 +29,8 @@ def written(root: Element) -> bytes:
     Raises `BadInput` if elements are nested more than `MAX_DEPTH` deep, as they may be after files have been included in
     others.
     """
+    from xml.sax.saxutils import escape, quoteattr  # it imports urllib and ssl, and only robots' files need it
+
     parts = ['<?xml version="1.0" encoding="UTF-8"?>\n']
     left: list[tuple[Element | str, int]] = [(root, 1)]
     while left:

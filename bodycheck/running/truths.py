@@ -13,7 +13,6 @@ from bodycheck.casefile.certificates import word_of
 from bodycheck.casefile.content import Case, check_case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import bounds_of
-from bodycheck.reference import certificate
 from bodycheck.reference.candidate import candidate_of
 from bodycheck.reference.certified import Certificate, proved
 from bodycheck.reference.errors import NotModelled, OutOfReach
@@ -26,7 +25,6 @@ from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.sensors.readings import SensorTruth
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import truth as truth_of_scene
 from bodycheck.reference.truths import Truth
 
 #: The largest number of instants at which a truth is computed at once, which takes some 5 s in flight, 30 s in a slide, and 0.5
@@ -44,6 +42,9 @@ def truth(case: Case, times: ArrayLike | None = None) -> Truth:
     `bodycheck.reference.errors.OutOfReach` for a motion that it cannot compute, `BadInput` for invalid times, and `TypeError`
     for anything that is not a `Case`.
     """
+    # The process of a command plans truths, and its workers compute them.
+    from bodycheck.reference.truth import truth as truth_of_scene
+
     check_case(case)
     return truth_of_scene(case.scene, _instants(case, times))
 
@@ -82,6 +83,8 @@ def certify(case: Case, times: ArrayLike | None = None, limit: float = math.inf)
     The times and exceptions are those of `truth`. Without python-flint there is no proof. limit: the time (s) for all of it,
     after which a proof of a tree ends at an earlier instant.
     """
+    from bodycheck.reference import certificate
+
     begin = time.perf_counter()
     checked = certificate.certify(case.scene, _instants(case, times))
     try:
@@ -102,6 +105,8 @@ def stop_under(case: Case, law: Plane) -> Stop | None:
     The result is None if the body does not stop within `STOP_HORIZON` times the duration of the case, or if the reference has
     no truth under this law.
     """
+    from bodycheck.reference.truth import truth as truth_of_scene
+
     assert isinstance(case.scene, Scene)  # nothing slides in a mechanism
     try:
         return truth_of_scene(replace(case.scene, plane=law), np.array([0.0, STOP_HORIZON * case.duration])).stop

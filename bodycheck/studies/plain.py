@@ -21,8 +21,8 @@ from typing import Any
 
 from bodycheck.casefile.content import Case
 from bodycheck.console import tables as terminal
-from bodycheck.console.arguments import Engines, load_engines
-from bodycheck.console.options import Robots, View
+from bodycheck.console.arguments import Engines, Robots, load_engines
+from bodycheck.console.options import View
 from bodycheck.console.output import say
 from bodycheck.console.robots import noticed
 from bodycheck.interface import arguments

@@ -6,8 +6,8 @@ The imports are inside the function, so that `--help` answers at once.
 import sys
 from collections.abc import Callable, Iterator
 
+from bodycheck.console.arguments import AS_THEY_ARE
 from bodycheck.console.options import (
-    AS_THEY_ARE,
     AS_USUAL,
     CaseName,
     Engines,

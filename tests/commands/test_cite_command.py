@@ -10,6 +10,7 @@ from bodycheck.adapters import registry
 from bodycheck.casefile.authoring import template
 from bodycheck.casefile.case import load, shipped
 from bodycheck.commands import cite
+from bodycheck.errors import BadInput
 from tests.support import ROOT
 from tests.support.commands import bodycheck
 
@@ -23,9 +24,9 @@ UNPUBLISHED = (
 
 
 def braces_match(entry: str) -> bool:
-    """Whether every brace that opens closes, and none before."""
-    depth, plain = 0, re.sub(r"\\[{}]", "", entry)
-    for character in plain:
+    """Whether every brace that opens closes, and none before. BibTeX counts braces with a backslash before them too."""
+    depth = 0
+    for character in entry:
         depth += {"{": 1, "}": -1}.get(character, 0)
         if depth < 0:
             return False
@@ -82,12 +83,26 @@ def test_the_command_cites_bodycheck_engines_and_sources() -> None:
 
 def test_the_source_of_another_case_is_cited_in_its_own_words(tmp_path: Path) -> None:
     """A stranger's text is no command of LaTeX."""
-    source = r"100 % \input{secret} & _x_"
+    source = r"100 % \input{secret} & _x_ }, note = {x $y$ #1 ~ ^^41 {"
     text = template().replace('source = ""', f"source = '{source}'").replace('name = "my-case"', 'name = "thrown"')
     (tmp_path / "thrown.case.toml").write_text(text, "utf-8")
     done = bodycheck("cite", "mujoco", "--case", "thrown.case.toml", folder=tmp_path)
     entry = done.stdout.split("\n\n")[-1].strip()
-    assert fields(entry)["note"] == r"Source of the case: 100 \% {\textbackslash}input\{secret\} \& \_x\_"
+    closed, opened = r"{\textbraceright}", r"{\textbraceleft}"
+    assert fields(entry)["note"] == (
+        rf"Source of the case: 100 \% {{\textbackslash}}input{opened}secret{closed} \& \_x\_ {closed}, note = {opened}x "
+        rf"\$y\$ \#1 {{\textasciitilde}} {{\textasciicircum}}{{\textasciicircum}}41 {opened}"
+    )
+
+
+@pytest.mark.parametrize(
+    "name", ["mujoco@\x1b[2J", "\x1b[31mx", "../../etc/passwd", "mujoco@1.0}, note = {x", "mujoco@1\n2", "x" * 100_000, "", "@"]
+)
+def test_the_name_of_an_engine_from_a_stranger_is_bad_input(name: str) -> None:
+    with pytest.raises(BadInput) as refused:
+        list(cite._of_engines([name]))
+    assert str(refused.value).isprintable()
+    assert len(str(refused.value)) < 300
 
 
 def test_an_unknown_engine_is_bad_input() -> None:

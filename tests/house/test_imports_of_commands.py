@@ -1,5 +1,8 @@
 """Commands and their worker processes import what is large only where they need it."""
 
+import subprocess
+import sys
+
 import pytest
 
 from bodycheck import load
@@ -45,6 +48,15 @@ def by_worker(argument: Task | TruthTask) -> set[str]:
         modules = workers.call(argument)
     assert isinstance(modules, set)
     return modules
+
+
+def test_the_python_function_is_ready_before_anything_large_is_imported() -> None:
+    code = "import sys, bodycheck; bodycheck.run; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    imported = set(done.stdout.split())
+    assert "bodycheck.interface.runs" in imported
+    others = {"cyclopts", "rich", "packaging.requirements", "ssl", "urllib.request"}
+    assert imported & (NEVER | FILES | TRUTH | ENGINES | others) == set()
 
 
 def test_help_imports_nothing_that_computes() -> None:

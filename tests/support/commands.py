@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from bodycheck.commands.command_line import app, main
-from bodycheck.console.options import Robots
+from bodycheck.console.arguments import Robots
 
 #: Columns of a terminal that are enough for any table, whatever terminal runs the tests.
 COLUMNS = "200"

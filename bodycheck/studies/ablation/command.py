@@ -7,8 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from bodycheck.console.arguments import AS_THEY_ARE
 from bodycheck.console.options import (
-    AS_THEY_ARE,
     AS_USUAL,
     CaseName,
     Engines,

@@ -13,8 +13,7 @@ from bodycheck import conversion
 from bodycheck.adapters.file_motion import Controls
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.robots import loading
-from bodycheck.console.arguments import Engines, check_engine, load_engines
-from bodycheck.console.options import Robots
+from bodycheck.console.arguments import Engines, Robots, check_engine, load_engines
 from bodycheck.errors import BadInput
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.interface import arguments

@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from bodycheck.casefile.robot_notes import Ignored
-from bodycheck.console.options import (
-    AS_THEY_ARE,
-    AS_USUAL,
-    Engines,
-    Figures,
-    Integrators,
-    Jobs,
-    Json,
-    OfRobots,
-    Out,
-    Quiet,
-    Viewed,
-)
+from bodycheck.console.arguments import AS_THEY_ARE
+from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, OfRobots, Out, Quiet, Viewed
 from bodycheck.errors import BadInput
 
 if TYPE_CHECKING:

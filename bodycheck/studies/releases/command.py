@@ -9,20 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import (
-    AS_THEY_ARE,
-    AS_USUAL,
-    Again,
-    Figures,
-    Integrators,
-    Jobs,
-    Json,
-    OfRobots,
-    Out,
-    Quiet,
-    Timesteps,
-    Viewed,
-)
+from bodycheck.console.arguments import AS_THEY_ARE
+from bodycheck.console.options import AS_USUAL, Again, Figures, Integrators, Jobs, Json, OfRobots, Out, Quiet, Timesteps, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:

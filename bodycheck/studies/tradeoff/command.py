@@ -3,8 +3,8 @@
 Its imports are inside the function, so that `--help` answers at once.
 """
 
+from bodycheck.console.arguments import AS_THEY_ARE
 from bodycheck.console.options import (
-    AS_THEY_ARE,
     AS_USUAL,
     Batches,
     CaseName,

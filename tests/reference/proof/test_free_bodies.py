@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from bodycheck.casefile.case import load, parse
+from bodycheck.reference import certificate
 from bodycheck.reference.exact.start import defined_scene
 from bodycheck.reference.proof.enclosure import QUANTITIES, Enclosure, NotEnclosed
 from bodycheck.reference.scene import Definition, Push, Scene, Tensor
@@ -131,10 +132,8 @@ def test_a_contradiction_is_told_with_its_figure(monkeypatch: pytest.MonkeyPatch
     case = parse(TURNED, "turned")
     checked = truths.certify(case)
     assert (checked.word, checked.certified) == ("enclosed", True)
-    right = truths.certificate.certify
-    monkeypatch.setattr(
-        truths.certificate, "certify", lambda *given: replace(right(*given), truth=gyroscopic(right(*given).truth))
-    )
+    right = certificate.certify
+    monkeypatch.setattr(certificate, "certify", lambda *given: replace(right(*given), truth=gyroscopic(right(*given).truth)))
     wrong = truths.certify(case)
     assert not wrong.certified
     assert any("the printed bound of the error in angular velocity" in fault for fault in wrong.faults)
