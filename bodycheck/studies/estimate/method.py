@@ -16,7 +16,7 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.running.refining import Ended, Motion
 from bodycheck.studies.estimate import refinement
 from bodycheck.studies.estimate.levels import Level, Levels, instants_of, sampled_steps
-from bodycheck.studies.estimate.quantities import ANGLES, OF_ONE_RUN, PLACES
+from bodycheck.studies.estimate.quantities import ANGLES, NAMED, OF_ONE_RUN, PLACES
 from bodycheck.studies.estimate.refinement import Interval, Reference
 
 #: The error (rad or m) that is allowed if none is named, and from which on the difference that one rounding makes is chaos.
@@ -74,6 +74,8 @@ class Subject:
         The instants at which controls change (k,), s: all time steps must reach them.
     coarser, most_finer
         The largest numbers of coarser and of finer levels.
+    wanted
+        The quantities of a case whose differences are computed.
     """
 
     instants: Array
@@ -84,6 +86,7 @@ class Subject:
     held: Array = field(default_factory=lambda: np.empty(0))
     coarser: int = COARSER
     most_finer: int = MOST_FINER
+    wanted: tuple[str, ...] = NAMED
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +216,7 @@ def refined(subject: Subject, method: Method, run: Run, order: float = math.inf)
         else:
             ended[timestep] = outcome
 
-    known = Refined(method, Levels(subject.instants, subject.scene, ()), ended, 1.0, order=order)
+    known = Refined(method, Levels(subject.instants, subject.scene, (), wanted=subject.wanted), ended, 1.0, order=order)
     try:
         go(0)
         if 0 not in done and next(iter(ended.values())).status not in ("diverged", "reset"):
@@ -245,7 +248,7 @@ def _so_far(subject: Subject, known: Refined, done: dict[int, Level]) -> Refined
     levels = tuple(done[exponent] for exponent in reversed(consecutive))
     factor = subject.factor(levels[-1].motion) if levels else 1.0
     stray = tuple(done[exponent] for exponent in reversed(exponents) if exponent not in consecutive)
-    runs = Levels(subject.instants, subject.scene, levels, known.levels.nudged)
+    runs = replace(known.levels, levels=levels, known={})
     return replace(known, levels=runs, factor=factor, stray=stray)
 
 
@@ -367,7 +370,7 @@ def _pair(subject: Subject, known: Refined, timestep: float, references: dict[st
         if isinstance(outcome, Ended):
             return None
         levels.append(Level(step, steps, outcome))
-    return Levels(subject.instants, subject.scene, tuple(levels))
+    return Levels(subject.instants, subject.scene, tuple(levels), wanted=subject.wanted)
 
 
 def horizons(subject: Subject, known: Refined, quantity: str) -> list[tuple[float, Interval, Reference] | None]:

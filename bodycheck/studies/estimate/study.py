@@ -35,7 +35,7 @@ from bodycheck.running.tasks import Question, answer
 from bodycheck.studies.estimate import factors, rating
 from bodycheck.studies.estimate.distances import differences
 from bodycheck.studies.estimate.method import NoTime, Refined, Subject, refined, searched
-from bodycheck.studies.estimate.quantities import AT_END, NAMED, PLACES, SHORT, USUAL
+from bodycheck.studies.estimate.quantities import ANGLES, AT_END, NAMED, PLACES, SHORT, USUAL
 from bodycheck.studies.estimate.rating import Head
 from bodycheck.studies.estimate.rows import (
     NO_TIME,
@@ -364,6 +364,9 @@ def _subject(asked: Asked, facts: FileFacts) -> Subject:
         asked.compared,
         lambda motion: factors.factors()[_kind(asked, facts, motion)].factor,
         held,
+        wanted=tuple(
+            name for name in NAMED if name in ANGLES or name in {one.removesuffix(AT_END) for one in asked.quantities}
+        ),
     )
 
 
