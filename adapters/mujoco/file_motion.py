@@ -18,8 +18,8 @@ from bodycheck.adapters.mujoco.stepping import WARNINGS, quiet, refuse_warnings
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.reference.trajectory import Array
 
-#: The options of methods, and the fields of MuJoCo's options that they set.
-SETTINGS = {"iterations": "iterations", "tolerance": "tolerance"}
+#: The options of methods, which have the names of the fields of MuJoCo's options that they set, and the types of their values.
+SETTINGS: dict[str, type[int] | type[float]] = {"iterations": int, "tolerance": float}
 
 #: The largest number of steps in one call of MuJoCo, between which it is checked for warnings.
 STEPS_PER_CALL = 4096
@@ -45,20 +45,21 @@ def file_facts(file: RobotFile) -> FileFacts:
         conserves=_conserves(model),
         driven=bool(model.nu) and not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_ACTUATION),
         friction=bool(np.any(model.dof_frictionloss) or np.any(model.tendon_frictionloss)),
+        options=SETTINGS,
     )
 
 
 def run_file(file: RobotFile, run: FileRun) -> FileMotion:
     """Return the motion of a scene, as `FileMotions.run_file` does."""
     model = _model(file.path)
-    before = (model.opt.integrator, model.opt.timestep, *(getattr(model.opt, name) for name in SETTINGS.values()))
+    before = (model.opt.integrator, model.opt.timestep, *(getattr(model.opt, name) for name in SETTINGS))
     try:
         _set(model, run.method)
         with quiet():
             return _run(model, run)
     finally:
         model.opt.integrator, model.opt.timestep = before[:2]
-        for name, value in zip(SETTINGS.values(), before[2:], strict=True):
+        for name, value in zip(SETTINGS, before[2:], strict=True):
             setattr(model.opt, name, value)
 
 
@@ -78,7 +79,7 @@ def _set(model: mujoco.MjModel, method: Method) -> None:
         if key not in SETTINGS:
             raise MotionRefused(f"{method.name}: there is no option {key!r} for files; allowed: {', '.join(SETTINGS)}")
         try:
-            setattr(model.opt, SETTINGS[key], int(value) if key == "iterations" else float(value))
+            setattr(model.opt, key, SETTINGS[key](value))
         except ValueError as error:
             raise MotionRefused(f"{method.name}: read {value!r} as {key}; allowed: a number") from error
 

@@ -119,7 +119,9 @@ def measured(member: Member) -> Measured | None:
         return None
     places = tuple(name for name in PLACES if isinstance(case.scene, Mechanism) or name in PLACES[:2])
     quantity, level = str(rng.choice(places)), int(rng.integers(FINER + 1))
-    subject = Subject(case.instants, case.scene, ERROR, places, lambda _: 1.5, coarser=0, most_finer=FINER, wanted=places)
+    subject = Subject(
+        case.instants, case.scene, ERROR, places, lambda _: member.kind, coarser=0, most_finer=FINER, wanted=places
+    )
 
     def run(one: Method, times: Array, nudged: bool) -> Motion | Ended:
         return run_case(RunCase(member.engine, case, one, times, nudged))

@@ -47,6 +47,7 @@ from bodycheck.studies.estimate.rows import (
     OfEngine,
     joined,
 )
+from bodycheck.studies.estimate.spellings import UnknownMethod, check
 from bodycheck.studies.timesteps import control_period
 from bodycheck.suggestion import did_you_mean
 
@@ -175,7 +176,7 @@ def results(
     Raises
     ------
     BadInput
-        If the file has no such keyframe or actuator.
+        If the file has no such keyframe or actuator, or no engine has a method that is named.
     BadJournal
         If another process is writing to the folder.
     """
@@ -184,13 +185,21 @@ def results(
     with resumption.opened(folder / RECORDS, head, *work, lost=lambda record: False, about=asdict(about)) as log:
         done = [typed(OfEngine, record["engine"]) for record in log.records if record["record"] == "engine"]
         finest: dict[str, Motion] = {}
+        unknown: dict[str, UnknownMethod] = {}
         for name, record in records.items():
             if name not in {one.engine for one in done}:
-                of_engine, motion = _of_engine(asked, name, record)
+                try:
+                    of_engine, motion = _of_engine(asked, name, record)
+                except UnknownMethod as error:
+                    unknown[name] = error
+                    progress(name)
+                    continue
                 log.add({"record": "engine", "engine": asdict(of_engine)})
                 done.append(of_engine)
                 finest |= {} if motion is None else {name: motion}
             progress(name)
+        if unknown and not any(one.integrator for one in done):
+            raise next(iter(unknown.values()))
         apart = [typed(_Spread, record["spread"]) for record in log.records if record["record"] == "spread"]
         spread = apart[0] if apart else _spread(asked, finest)
         if not apart:
@@ -332,6 +341,8 @@ def _facts(asked: Asked, name: str, record: Engine, clock: _Clock) -> FileFacts 
             meant = did_you_mean(actuator, facts.actuators)
             there = ", ".join(facts.actuators) or "none"
             raise BadInput(f"--controls: there is no actuator {actuator!r} in {asked.name}; there are: {there}{meant}")
+    for spelling in asked.integrators:
+        check(spelling, name, asked.name, facts)
     return replace(facts, methods=asked.integrators or facts.methods)
 
 
@@ -362,7 +373,7 @@ def _subject(asked: Asked, facts: FileFacts) -> Subject:
         scene,
         asked.error,
         asked.compared,
-        lambda motion: factors.factors()[_kind(asked, facts, motion)].factor,
+        partial(_kind, asked, facts),
         held,
         wanted=tuple(
             name for name in NAMED if name in ANGLES or name in {one.removesuffix(AT_END) for one in asked.quantities}
