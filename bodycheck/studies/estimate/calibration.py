@@ -27,7 +27,7 @@ from bodycheck.results.records import typed
 from bodycheck.running import campaign, engines
 from bodycheck.studies.estimate import factors, members, refinement
 from bodycheck.studies.estimate.factors import KINDS, Factor, Kind
-from bodycheck.studies.estimate.members import PAIRS, WITH_TRUTH, Measured, Member
+from bodycheck.studies.estimate.members import FINER_BY, PAIRS, WITH_TRUTH, Measured, Member
 from bodycheck.studies.estimate.refinement import Interval, Reference
 
 #: The number of members of each class with a truth, and of each other class, whose runs take longer.
@@ -39,9 +39,13 @@ SEED_OF_FACTORS = 1
 #: The number of members that one call measures, and the time limit (s) of a call.
 IN_PORTION, LIMIT = 25, 1200.0
 
-#: The share of intervals that factors are set for, in classes with a truth and in others, and the factors that are tried.
+#: The share of intervals that factors are set for, in classes with a truth and in others, and the factors that are tried, from
+#: the usual one of a grid convergence index on (Roache, Annu. Rev. Fluid Mech. 29, 1997).
 SHARE, SHARE_BY_REFINEMENT = 0.97, 0.93
-TRIED = tuple(round(1 + 0.05 * step, 2) for step in range(2, 61))
+TRIED = tuple(round(1.25 + 0.05 * step, 2) for step in range(56))
+
+#: The part of an error up to which it must be known for the run to count.
+KNOWN = 1 / 3
 
 #: The file of what was measured.
 RECORDS = "members.jsonl"
@@ -61,11 +65,23 @@ def interval(one: Measured, factor: float) -> Interval | None:
     return refinement.interval(seen, apart, count, one.level, rounding, factor)
 
 
+def is_known(kind: Kind, one: Measured) -> bool:
+    """Return whether the error of a run is known well enough to say whether an interval contains it.
+
+    In classes with a truth, it is known to the bound of the truth. In others, the run with the smaller step has a rounding
+    error: in each step up to half of that which one rounding at the start makes.
+    """
+    if one.refused:
+        return True
+    bound = one.bound if kind in WITH_TRUTH else 0.5 * one.nudge * one.steps[one.level] * FINER_BY
+    return bound <= KNOWN * one.error
+
+
 def factor_of(engine: str, measured: Sequence[Measured], factor: float) -> Factor:
     """Return a factor with the coverage and the width of its intervals. engine: words with version."""
     pairs = [(one, interval(one, factor)) for one in measured]
     known = [(one, ends) for one, ends in pairs if ends is not None]
-    inside = [ends.low - one.bound <= one.error <= ends.high + one.bound for one, ends in known]
+    inside = [ends.low <= one.error <= ends.high for one, ends in known]
     widths = [(ends.high - ends.low) / one.error for one, ends in known if one.error > 0]
     width = median(widths) if widths else 0.0
     return Factor(factor, sum(inside) / max(1, len(known)), width, len(known), len(measured) - len(known), engine)
@@ -114,7 +130,10 @@ def _engine(asked: Portion) -> str:
 
 
 def samples(wanted: Sequence[Portion], folder: Path, head: Header, jobs: int, quiet: bool) -> dict[Kind, list[Measured]]:
-    """Return what was measured of the members of each class; what a folder has of them is not measured again."""
+    """Return what was measured of the members of each class whose error is known well enough.
+
+    What a folder has of them is not measured again.
+    """
     path = folder / RECORDS
     key = ("calibration", [asdict(one) for one in wanted])
     done: dict[Portion, list[Measured]] = {}
@@ -137,7 +156,9 @@ def samples(wanted: Sequence[Portion], folder: Path, head: Header, jobs: int, qu
                 done[asked] = answer if isinstance(answer, list) else []
                 log.add({"record": "portion", "portion": asdict(asked), "measured": [asdict(one) for one in done[asked]]})
                 advance(asked.kind, asked.last - asked.first)
-    return {kind: [one for asked in wanted if asked.kind == kind for one in done[asked]] for kind in KINDS}
+    return {
+        kind: [one for asked in wanted if asked.kind == kind for one in done[asked] if is_known(kind, one)] for kind in KINDS
+    }
 
 
 def _read(record: journal.Record) -> tuple[Portion, list[Measured]]:
