@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reports.quantities import number
+from bodycheck.robots.elements import printable
 from bodycheck.studies.estimate import factors, refinement
 from bodycheck.studies.estimate.levels import Levels
 from bodycheck.studies.estimate.method import Refined, Subject, horizons
@@ -92,7 +93,7 @@ def _row(head: Head, timestep: float, quantity: str, judged: _Judged, cost: floa
         high=None if interval is None else interval.high,
         order=order,
         verdict=judged.verdict,
-        reason=judged.reason,
+        reason=printable(judged.reason),
         horizon=judged.horizon,
         cost=None if cost is None else cost / timestep,
     )

@@ -26,6 +26,7 @@ from bodycheck.reference.truths import Truth
 from bodycheck.results import resumption
 from bodycheck.results.header import Header
 from bodycheck.results.records import typed
+from bodycheck.robots.elements import printable
 from bodycheck.running import engines as engine_homes
 from bodycheck.running import refining
 from bodycheck.running.campaign import Advance
@@ -296,7 +297,7 @@ def _from_truth(asked: Asked, finest: Motion | None) -> dict[str, tuple[float, f
 
 def _verdict_of(ended: Ended) -> tuple[str, str]:
     """Return the verdict and the reason for a method that an engine cannot run at all."""
-    return (NO_TIME if ended.status == "timeout" else UNSUPPORTED), ended.reason
+    return (NO_TIME if ended.status == "timeout" else UNSUPPORTED), printable(ended.reason)
 
 
 def _nothing(asked: Asked, name: str, record: Engine, method: Method, verdict: str, reason: str) -> EstimateRow:
@@ -335,15 +336,20 @@ def _facts(asked: Asked, name: str, record: Engine, clock: _Clock) -> FileFacts 
         assert isinstance(facts, Ended)
         return facts
     if asked.keyframe and asked.keyframe not in facts.keyframes:
-        raise BadInput(f"--keyframe {asked.keyframe!r}: {asked.name} has: {', '.join(facts.keyframes) or 'none'}")
+        raise BadInput(f"--keyframe {asked.keyframe!r}: {asked.name} has: {_listed(facts.keyframes)}")
     for actuator in () if asked.controls is None else asked.controls.names:
         if actuator not in facts.actuators:
             meant = did_you_mean(actuator, facts.actuators)
-            there = ", ".join(facts.actuators) or "none"
+            there = _listed(facts.actuators)
             raise BadInput(f"--controls: there is no actuator {actuator!r} in {asked.name}; there are: {there}{meant}")
     for spelling in asked.integrators:
         check(spelling, name, asked.name, facts)
     return replace(facts, methods=asked.integrators or facts.methods)
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return a stranger's names on one line; "none" if there are none."""
+    return ", ".join(map(printable, names)) or "none"
 
 
 def _facts_of_case(case: Case, record: Engine, integrators: Sequence[str]) -> FileFacts | Ended:
