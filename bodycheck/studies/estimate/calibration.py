@@ -135,17 +135,16 @@ def samples(wanted: Sequence[Portion], folder: Path, head: Header, jobs: int, qu
     What a folder has of them is not measured again.
     """
     path = folder / RECORDS
-    key = ("calibration", [asdict(one) for one in wanted])
     done: dict[Portion, list[Measured]] = {}
     try:
         contents = journal.read(path)
-        if contents.complete and contents.header.get("identity") == resumption.identity(resumption.versions(head), *key):
+        if contents.complete and contents.header.get("identity") == identity(head, wanted):
             done = dict(map(_read, contents.records))
     except BadJournal:  # there is none yet
         done = {}
     if len(done) < len(wanted):
         with (
-            resumption.opened(path, head, *key, lost=lambda record: False, what="calibration") as log,
+            resumption.opened(path, head, *_work(wanted), lost=lambda record: False, what="calibration") as log,
             pool.Workers(perform, jobs, LIMIT, group=_engine, home=engines.home) as workers,
             progress("members", sum(one.last - one.first for one in wanted), quiet) as advance,
         ):
@@ -154,11 +153,25 @@ def samples(wanted: Sequence[Portion], folder: Path, head: Header, jobs: int, qu
                 advance(one.kind, one.last - one.first)
             for asked, answer in workers.map([one for one in wanted if one not in done]):
                 done[asked] = answer if isinstance(answer, list) else []
-                log.add({"record": "portion", "portion": asdict(asked), "measured": [asdict(one) for one in done[asked]]})
+                log.add(record(asked, done[asked]))
                 advance(asked.kind, asked.last - asked.first)
     return {
         kind: [one for asked in wanted if asked.kind == kind for one in done[asked] if is_known(kind, one)] for kind in KINDS
     }
+
+
+def _work(wanted: Sequence[Portion]) -> tuple[object, ...]:
+    return "calibration", [asdict(one) for one in wanted]
+
+
+def identity(head: Header, wanted: Sequence[Portion]) -> str:
+    """Return the digest of all that determines what is measured."""
+    return resumption.identity(resumption.versions(head), *_work(wanted))
+
+
+def record(asked: Portion, measured: Sequence[Measured]) -> journal.Record:
+    """Return the record of a portion."""
+    return {"record": "portion", "portion": asdict(asked), "measured": [asdict(one) for one in measured]}
 
 
 def _read(record: journal.Record) -> tuple[Portion, list[Measured]]:

@@ -201,7 +201,8 @@ def _method(engine: Engine, case: Case, rng: np.random.Generator) -> Method | No
     Where a controller holds its output, steps end at its instants, as those of a study do.
     """
     names = [name for name in offered(engine, case.scene) if ":" not in name]
-    step = math.exp(float(rng.uniform(*map(math.log, TIMESTEPS))))
+    smallest, largest = TIMESTEPS
+    step = math.exp(float(rng.uniform(math.log(smallest), math.log(largest))))
     if (period := control_period(case.scene)) is not None:
         step = float(period) / max(1, round(float(period) / step))
     return Method.parse(str(rng.choice(names)), 0.0).at(step) if names else None

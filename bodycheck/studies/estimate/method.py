@@ -264,13 +264,13 @@ def _resolved(subject: Subject, known: Refined) -> bool:
     present = next((index for index, one in enumerate(known.levels.levels) if one.timestep == known.method.timestep), None)
     for quantity in (name for name in known.levels.quantities if name in subject.compared):
         seen = known.assessed(quantity, float(subject.instants[-1]))
-        if isinstance(seen, str) or present is None or seen.loose > 1:
+        if isinstance(seen, str) or present is None:
             return False
         intervals = known.intervals(quantity, float(subject.instants[-1]), seen)
         first, finest = intervals[present], intervals[-1]
         if first is None or finest is None:
             return False
-        if finest.low > 0 and finest.estimate > RESOLVED * first.estimate:
+        if finest.low > 0 and (finest.high if seen.loose > 1 else finest.estimate) > RESOLVED * first.estimate:
             return False
         if subject.error < finest.high <= NEAR_ALLOWED * subject.error:
             return False

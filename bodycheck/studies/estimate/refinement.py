@@ -220,7 +220,8 @@ def interval(
     if known.kind == "rounding":
         near = [differences[one, one + 1] for one in (level - 1, level) if 0 <= one < levels - 1]
         size = max(rounding, *near)
-        return Interval(size, 0.0, ROUNDED * size)
+        largest = max((differences[coarser, level] for coarser in range(level)), default=size)  # errors add up with the steps
+        return Interval(max(size, largest), 0.0, max(ROUNDED * size, 2 * largest))
     factor *= known.loose
     apart = differences[min(level, known.level), max(level, known.level)] if level != known.level else 0.0
     if known.kind == "uneven":
