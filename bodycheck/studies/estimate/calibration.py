@@ -135,22 +135,17 @@ def samples(wanted: Sequence[Portion], folder: Path, head: Header, jobs: int, qu
     What a folder has of them is not measured again.
     """
     path = folder / RECORDS
-    done: dict[Portion, list[Measured]] = {}
-    try:
-        contents = journal.read(path)
-        if contents.complete and contents.header.get("identity") == identity(head, wanted):
-            done = dict(map(_read, contents.records))
-    except BadJournal:  # there is none yet
-        done = {}
-    if len(done) < len(wanted):
+    done = _kept(path, head, wanted)
+    if not done.keys() >= set(wanted):
         with (
             resumption.opened(path, head, *_work(wanted), lost=lambda record: False, what="calibration") as log,
             pool.Workers(perform, jobs, LIMIT, group=_engine, home=engines.home) as workers,
             progress("members", sum(one.last - one.first for one in wanted), quiet) as advance,
         ):
-            done = dict(map(_read, log.records))
-            for one in done:
-                advance(one.kind, one.last - one.first)
+            for asked in done.keys() - dict(map(_read, log.records)).keys():  # of a calibration with fewer members
+                log.add(record(asked, done[asked]))
+            for asked in done.keys() & set(wanted):
+                advance(asked.kind, asked.last - asked.first)
             for asked, answer in workers.map([one for one in wanted if one not in done]):
                 done[asked] = answer if isinstance(answer, list) else []
                 log.add(record(asked, done[asked]))
@@ -160,12 +155,21 @@ def samples(wanted: Sequence[Portion], folder: Path, head: Header, jobs: int, qu
     }
 
 
+def _kept(path: Path, head: Header, wanted: Sequence[Portion]) -> dict[Portion, list[Measured]]:
+    """Return what a folder has of the same members, also of a calibration with fewer or more of them."""
+    try:
+        contents = journal.read(path)
+    except BadJournal:  # there is none yet
+        return {}
+    return dict(map(_read, contents.records)) if contents.header.get("identity") == identity(head, wanted) else {}
+
+
 def _work(wanted: Sequence[Portion]) -> tuple[object, ...]:
-    return "calibration", [asdict(one) for one in wanted]
+    return "calibration", wanted[0].engine, wanted[0].seed
 
 
 def identity(head: Header, wanted: Sequence[Portion]) -> str:
-    """Return the digest of all that determines what is measured."""
+    """Return the digest of all that determines what is measured of a member: the versions, the engine, and the seed."""
     return resumption.identity(resumption.versions(head), *_work(wanted))
 
 

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from bodycheck.errors import BadInput
 from bodycheck.results import journal
+from bodycheck.running import campaign
 from bodycheck.studies.estimate import calibration, factors
 from bodycheck.studies.estimate.calibration import Portion, factor_of, interval, is_known, portions, printed, smallest
 from bodycheck.studies.estimate.members import PAIRS, Measured, Member, measured
@@ -79,18 +81,18 @@ def test_a_member_is_the_same_each_time_and_its_interval_contains_its_error() ->
 
 def test_what_a_folder_has_is_not_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = portions("mujoco", 5, 1)
-    head = {"bodycheck": "", "packages": {}, "engines": {}}
+    head = campaign.header((), {}, {})
     key = calibration.identity(head, wanted)
-    with journal.begin(tmp_path / calibration.RECORDS, {**head, "record": "header", "identity": key}) as log:
+    with journal.begin(tmp_path / calibration.RECORDS, {**head, "identity": key}) as log:
         for part in wanted:
             log.add(calibration.record(part, [replace(EVEN, case=part.kind)]))
     monkeypatch.setattr(calibration, "perform", None)  # nothing may be measured
-    seen = calibration.samples(wanted, tmp_path, head, 1, True)  # type: ignore[arg-type]
+    seen = calibration.samples(wanted, tmp_path, head, 1, True)
     assert {kind: [one.case for one in of_kind] for kind, of_kind in seen.items()} == {kind: [kind] for kind in factors.KINDS}
 
 
 def test_a_number_of_members_that_is_not_positive_is_bad_input() -> None:
-    with pytest.raises(calibration.BadInput, match="--members 0: must be at least 1"):
+    with pytest.raises(BadInput, match="--members 0: must be at least 1"):
         printed((), 0, 3, 1, None, json=False, quiet=True)
 
 
