@@ -43,6 +43,8 @@ class FileFacts:
         Whether actuators act.
     friction
         Whether there is dry friction in joints or tendons.
+    options
+        The options of methods for files, with the types of their values.
     """
 
     method: Method
@@ -52,6 +54,7 @@ class FileFacts:
     conserves: bool = False
     driven: bool = False
     friction: bool = False
+    options: Mapping[str, type[int] | type[float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

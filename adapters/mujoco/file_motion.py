@@ -31,8 +31,8 @@ from bodycheck.adapters.robot_numbers import vector
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.reference.trajectory import Array
 
-#: The options of methods, and the fields of MuJoCo's options that they set.
-SETTINGS = {"iterations": "iterations", "tolerance": "tolerance"}
+#: The options of methods, which have the names of the fields of MuJoCo's options that they set, and the types of their values.
+SETTINGS: dict[str, type[int] | type[float]] = {"iterations": int, "tolerance": float}
 
 #: The largest number of steps in one call of MuJoCo, between which it is checked for warnings.
 STEPS_PER_CALL = 4096
@@ -62,6 +62,7 @@ def facts_of(model: mujoco.MjModel, methods: Sequence[str]) -> FileFacts:
         conserves=_conserves(model),
         driven=bool(model.nu) and not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_ACTUATION),
         friction=bool(np.any(model.dof_frictionloss) or np.any(model.tendon_frictionloss)),
+        options=SETTINGS,
     )
 
 
@@ -81,13 +82,13 @@ def run_file(file: RobotFile, run: FileRun) -> FileMotion:
 @contextmanager
 def chosen(model: mujoco.MjModel, method: Method) -> Iterator[mujoco.MjModel]:
     """Provide a model with the options of a method, which it loses at the end. Raises `MotionRefused`."""
-    before = (model.opt.integrator, model.opt.timestep, *(getattr(model.opt, name) for name in SETTINGS.values()))
+    before = (model.opt.integrator, model.opt.timestep, *(getattr(model.opt, name) for name in SETTINGS))
     try:
         _set(model, method)
         yield model
     finally:
         model.opt.integrator, model.opt.timestep = before[:2]
-        for name, value in zip(SETTINGS.values(), before[2:], strict=True):
+        for name, value in zip(SETTINGS, before[2:], strict=True):
             setattr(model.opt, name, value)
 
 
@@ -107,7 +108,7 @@ def _set(model: mujoco.MjModel, method: Method) -> None:
         if key not in SETTINGS:
             raise MotionRefused(f"{method.name}: there is no option {key!r} for files; allowed: {', '.join(SETTINGS)}")
         try:
-            setattr(model.opt, SETTINGS[key], int(value) if key == "iterations" else float(value))
+            setattr(model.opt, key, SETTINGS[key](value))
         except ValueError as error:
             raise MotionRefused(f"{method.name}: read {value!r} as {key}; allowed: a number") from error
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.files import writing
-from bodycheck.robots import elements, mjcf_copy, mjcf_meshes
+from bodycheck.robots import elements, mjcf_copy, mjcf_meshes, repetition
 from bodycheck.robots.checked import written
 from bodycheck.robots.elements import Element
 from bodycheck.robots.named_files import Folders, Removed, folders, local
@@ -21,8 +21,8 @@ UNWANTED = {"visual", "material", "texture", "plugin", "gazebo", "transmission",
 def copied(path: Path, packages: Sequence[Path], into: Path) -> RobotFile:
     """Write the copy of a robot model, URDF or MJCF, into an empty folder, and return it.
 
-    Raises `BadInput` if the file is no robot model, needs a plug-in, or names a file that cannot be read or is outside the
-    folders, and `NotWritten`.
+    Raises `BadInput` if the file is no robot model, needs a plug-in, stands for too many parts, or names a file that cannot be
+    read or is outside the folders, and `NotWritten`.
     """
     root = elements.read(path)
     allowed = folders(path, packages)
@@ -32,6 +32,7 @@ def copied(path: Path, packages: Sequence[Path], into: Path) -> RobotFile:
             copy = RobotFile(str(into / "robot.urdf"), "urdf")
         case "mujoco":
             mjcf_copy.prepare(root, allowed, into, Removed(), mjcf_meshes.WHOLE)
+            repetition.check(root)
             copy = RobotFile(str(into / "robot.xml"), "mjcf")
         case _:
             elements.refuse_root(root)

@@ -79,7 +79,7 @@ def estimate(
     if calibrate:
         if file or blind or controls is not None or keyframe or quantity or duration is not None:
             raise BadInput("--calibrate: draws its own scenes; give no file and none of its options")
-        return calibration.printed(engine, members, seed, processes(jobs), json=json, quiet=quiet)
+        return calibration.printed(engine, members, seed, processes(jobs), out, json=json, quiet=quiet)
     if not file:
         raise BadInput("estimate: give the file of a robot or a case, or --calibrate")
     wanted = Wanted(integrator, duration, keyframe, controls, quantity, error, blind, package_path)

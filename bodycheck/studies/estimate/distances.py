@@ -4,6 +4,7 @@ Of a case, they are computed by the formulas of the figures, with the finer run 
 the same definitions: the largest over all bodies or joints at each instant.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -43,13 +44,13 @@ class Finer:
         return None
 
 
-def differences(scene: AnyScene | None, coarse: Motion, fine: Motion) -> dict[str, Array]:
+def differences(scene: AnyScene | None, coarse: Motion, fine: Motion, wanted: Sequence[str] = NAMED) -> dict[str, Array]:
     """Return the differences (n,) of two motions at the same instants, by the names of quantities.
 
-    scene: the scene of a case; None for a file.
+    scene: the scene of a case; None for a file. wanted: the quantities of a case; a file has its own.
     """
     if coarse.trajectory is not None and fine.trajectory is not None and scene is not None:
-        return _of_case(scene, coarse.trajectory, fine.trajectory)
+        return _of_case(scene, coarse.trajectory, fine.trajectory, wanted)
     return _of_file(coarse, fine)
 
 
@@ -77,9 +78,9 @@ def in_common(one: Motion, other: Motion) -> tuple[Motion, Motion]:
     return picked(one), picked(other)
 
 
-def _of_case(scene: AnyScene, coarse: Trajectory, fine: Trajectory) -> dict[str, Array]:
+def _of_case(scene: AnyScene, coarse: Trajectory, fine: Trajectory, wanted: Sequence[str]) -> dict[str, Array]:
     compared = Comparison(Finer(scene, fine), coarse)
-    series = {name: FIGURES[name].compute(compared) for name in NAMED}
+    series = {name: FIGURES[name].compute(compared) for name in wanted}
     return {name: values for name, values in series.items() if isinstance(values, np.ndarray)}
 
 

@@ -16,6 +16,19 @@ if TYPE_CHECKING:  # reports are written where there are no engines
 Kind = Literal["smooth", "driven", "dry friction", "soft contact", "impacts"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
+#: The least share of intervals that must contain the error, by classes.
+LEAST_COVERAGE: dict[Kind, float] = {
+    "smooth": 0.95,
+    "driven": 0.95,
+    "dry friction": 0.9,
+    "soft contact": 0.9,
+    "impacts": 0.9,
+}
+
+#: The classes whose intervals must be narrow, and the largest median of their width over the error.
+NARROW: tuple[Kind, ...] = ("smooth", "driven")
+MOST_WIDTH = 2.0
+
 
 @dataclass(frozen=True)
 class Factor:
@@ -35,6 +48,8 @@ class Factor:
         The number of runs without an estimate.
     engine
         The engine with its version.
+    command
+        The command that measured it.
     """
 
     factor: float
@@ -43,6 +58,12 @@ class Factor:
     sample: int
     refused: int
     engine: str
+    command: str = ""
+
+    def holds(self, kind: Kind) -> bool:
+        """Return whether the intervals are right as often, and as narrow, as those of a class must be for an estimate."""
+        least = LEAST_COVERAGE[kind]
+        return self.sample > 0 and self.coverage >= least and (kind not in NARROW or self.width <= MOST_WIDTH)
 
     @property
     def told(self) -> str:

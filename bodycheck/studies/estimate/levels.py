@@ -11,7 +11,7 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 from bodycheck.running.refining import Motion
 from bodycheck.studies.estimate.distances import differences
-from bodycheck.studies.estimate.quantities import OF_ONE_RUN
+from bodycheck.studies.estimate.quantities import NAMED, OF_ONE_RUN
 
 #: The time (s) by which two instants that are the same may differ.
 SAME = 1e-6
@@ -75,12 +75,15 @@ class Levels:
     nudged
         A run, the finest one when it was made, and the same from an initial state that is changed by one rounding; None if
         there are none.
+    wanted
+        The quantities of a case whose differences are computed.
     """
 
     instants: Array
     scene: AnyScene | None
     levels: tuple[Level, ...]
     nudged: tuple[Level, Motion] | None = None
+    wanted: tuple[str, ...] = NAMED
     known: dict[tuple[int, int], Mapping[str, Array]] = field(default_factory=dict)
 
     def times(self, level: int) -> Array:
@@ -94,7 +97,8 @@ class Levels:
             steps = own_steps(self.instants, one.timestep)
             ratio = round(one.timestep / other.timestep)
             here, there = np.searchsorted(one.steps, steps), np.searchsorted(other.steps, steps * ratio)
-            self.known[coarse, fine] = differences(self.scene, one.motion.part(here), other.motion.part(there))
+            pair = one.motion.part(here), other.motion.part(there)
+            self.known[coarse, fine] = differences(self.scene, *pair, self.wanted)
         return self.known[coarse, fine]
 
     @cached_property
@@ -110,7 +114,7 @@ class Levels:
         level, nudged = self.nudged
         steps = own_steps(self.instants, level.timestep)
         here = np.searchsorted(level.steps, steps)
-        seen = differences(self.scene, level.motion.part(here), nudged.part(here))
+        seen = differences(self.scene, level.motion.part(here), nudged.part(here), self.wanted)
         return instants_of(steps, level.timestep), {name: values for name, values in seen.items() if name not in OF_ONE_RUN}
 
     def value(self, quantity: str, coarse: int, fine: int, until: float, at_end: bool = False) -> float:

@@ -15,8 +15,9 @@ from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 from bodycheck.running.refining import Ended, Motion
 from bodycheck.studies.estimate import refinement
+from bodycheck.studies.estimate.factors import Kind, factors
 from bodycheck.studies.estimate.levels import Level, Levels, instants_of, sampled_steps
-from bodycheck.studies.estimate.quantities import ANGLES, OF_ONE_RUN, PLACES
+from bodycheck.studies.estimate.quantities import ANGLES, NAMED, OF_ONE_RUN, PLACES
 from bodycheck.studies.estimate.refinement import Interval, Reference
 
 #: The error (rad or m) that is allowed if none is named, and from which on the difference that one rounding makes is chaos.
@@ -68,22 +69,25 @@ class Subject:
         The error that is allowed, in the unit of the quantities.
     compared
         The quantities that are compared with it.
-    factor
-        A function from the finest motion to the safety factor of its class.
+    kind
+        A function from the finest motion to the class of the scene.
     held
         The instants at which controls change (k,), s: all time steps must reach them.
     coarser, most_finer
         The largest numbers of coarser and of finer levels.
+    wanted
+        The quantities of a case whose differences are computed.
     """
 
     instants: Array
     scene: AnyScene | None
     error: float
     compared: tuple[str, ...]
-    factor: Callable[[Motion], float]
+    kind: Callable[[Motion], Kind]
     held: Array = field(default_factory=lambda: np.empty(0))
     coarser: int = COARSER
     most_finer: int = MOST_FINER
+    wanted: tuple[str, ...] = NAMED
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +109,8 @@ class Refined:
         The first instant (s) at which one rounding makes a difference above the allowed error; None if never.
     out_of_time
         What was measured when the time was used up; empty if it was not.
-    factor
-        The safety factor.
+    kind
+        The class of the scene.
     stray
         The runs that completed although one with a smaller time step did not, so that they cannot be compared.
     order
@@ -116,12 +120,17 @@ class Refined:
     method: Method
     levels: Levels
     ended: dict[float, Ended]
-    factor: float
+    kind: Kind = "smooth"
     chaos: float | None = None
     out_of_time: str = ""
     pairs: tuple[Levels, ...] = ()
     stray: tuple[Level, ...] = ()
     order: float = math.inf
+
+    @property
+    def factor(self) -> float:
+        """The safety factor of the class."""
+        return factors()[self.kind].factor
 
     def apart(self, quantity: str, until: float, at_end: bool = False) -> dict[tuple[int, int], float]:
         """Return the differences between all levels until an instant (s)."""
@@ -175,8 +184,9 @@ class Refined:
         if known.kind == "rounding":
             size = max(apart, nudge)
             return refinement.around(0.0, 0.0, size, self.factor), refinement.around(0.0, 0.0, size, self.factor)
+        factor = self.factor * known.loose
         error = self._on_power_law(pair.levels[1].timestep, self.intervals(quantity, end, known, at_end), known)
-        return refinement.around(apart, error, nudge, self.factor), refinement.around(0.0, error, nudge, self.factor)
+        return refinement.around(apart, error, nudge, factor), refinement.around(0.0, error, nudge, factor)
 
     def _on_power_law(self, timestep: float, intervals: Sequence[Interval | None], known: Reference) -> float:
         """Return the error at a time step (s), on the power law through the estimates of the levels beside it.
@@ -213,7 +223,7 @@ def refined(subject: Subject, method: Method, run: Run, order: float = math.inf)
         else:
             ended[timestep] = outcome
 
-    known = Refined(method, Levels(subject.instants, subject.scene, ()), ended, 1.0, order=order)
+    known = Refined(method, Levels(subject.instants, subject.scene, (), wanted=subject.wanted), ended, order=order)
     try:
         go(0)
         if 0 not in done and next(iter(ended.values())).status not in ("diverged", "reset"):
@@ -243,10 +253,10 @@ def _so_far(subject: Subject, known: Refined, done: dict[int, Level]) -> Refined
     exponents = sorted(done)
     consecutive = [exponent for index, exponent in enumerate(exponents) if exponent == exponents[0] + index]
     levels = tuple(done[exponent] for exponent in reversed(consecutive))
-    factor = subject.factor(levels[-1].motion) if levels else 1.0
+    kind = subject.kind(levels[-1].motion) if levels else known.kind
     stray = tuple(done[exponent] for exponent in reversed(exponents) if exponent not in consecutive)
-    runs = Levels(subject.instants, subject.scene, levels, known.levels.nudged)
-    return replace(known, levels=runs, factor=factor, stray=stray)
+    runs = replace(known.levels, levels=levels, known={})
+    return replace(known, levels=runs, kind=kind, stray=stray)
 
 
 def _resolved(subject: Subject, known: Refined) -> bool:
@@ -260,7 +270,7 @@ def _resolved(subject: Subject, known: Refined) -> bool:
         first, finest = intervals[present], intervals[-1]
         if first is None or finest is None:
             return False
-        if finest.low > 0 and finest.estimate > RESOLVED * first.estimate:
+        if finest.low > 0 and (finest.high if seen.loose > 1 else finest.estimate) > RESOLVED * first.estimate:
             return False
         if subject.error < finest.high <= NEAR_ALLOWED * subject.error:
             return False
@@ -367,7 +377,7 @@ def _pair(subject: Subject, known: Refined, timestep: float, references: dict[st
         if isinstance(outcome, Ended):
             return None
         levels.append(Level(step, steps, outcome))
-    return Levels(subject.instants, subject.scene, tuple(levels))
+    return Levels(subject.instants, subject.scene, tuple(levels), wanted=subject.wanted)
 
 
 def horizons(subject: Subject, known: Refined, quantity: str) -> list[tuple[float, Interval, Reference] | None]:

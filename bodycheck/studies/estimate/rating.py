@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reports.quantities import number
-from bodycheck.studies.estimate import refinement
+from bodycheck.robots.elements import printable
+from bodycheck.studies.estimate import factors, refinement
 from bodycheck.studies.estimate.levels import Levels
 from bodycheck.studies.estimate.method import Refined, Subject, horizons
 from bodycheck.studies.estimate.quantities import AT_END, OF_ONE_RUN
@@ -52,7 +53,7 @@ def rows(head: Head, subject: Subject, known: Refined, wanted: Sequence[str]) ->
     reasons = tuple(differs(known.levels))
     for name in names:
         for timestep, verdict in _of_quantity(subject, known, name, reasons):
-            judged.setdefault(timestep, []).append((name, verdict))
+            judged.setdefault(timestep, []).append((name, _trusted(known, verdict)))
     for timestep, why in known.ended.items():
         judged[timestep] = [(name, _Judged(None, None, *_ended(why.status, why.reason), None)) for name in names or [""]]
     for level in (*known.stray, *(() if known.levels.quantities else known.levels.levels)):
@@ -63,6 +64,16 @@ def rows(head: Head, subject: Subject, known: Refined, wanted: Sequence[str]) ->
         for timestep in sorted(judged, reverse=True)
         for name, one in sorted(judged[timestep], key=lambda entry: wanted.index(entry[0]) if entry[0] else 0)
     ]
+
+
+def _trusted(known: Refined, judged: _Judged) -> _Judged:
+    """Return a statement without its numbers if intervals of the class of the scene are not right often enough."""
+    factor = factors.factors()[known.kind]
+    if judged.interval is None or factor.holds(known.kind):
+        return judged
+    why = factor.told if factor.sample else "was not tried on runs whose error is known"
+    reason = f"no interval is stated, since one of this class ({known.kind}) {why}"
+    return _Judged(None, judged.order, NOT_ASYMPTOTIC if judged.verdict == ESTIMATE else judged.verdict, reason, None)
 
 
 def seconds_per_step(known: Refined) -> float | None:
@@ -82,7 +93,7 @@ def _row(head: Head, timestep: float, quantity: str, judged: _Judged, cost: floa
         high=None if interval is None else interval.high,
         order=order,
         verdict=judged.verdict,
-        reason=judged.reason,
+        reason=printable(judged.reason),
         horizon=judged.horizon,
         cost=None if cost is None else cost / timestep,
     )

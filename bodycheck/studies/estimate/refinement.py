@@ -6,6 +6,9 @@ asymptotic if the orders that two consecutive pairs of differences show are at l
 `MOST_CHANGE`, and no finer level contradicts them. The error of the finest such level, the *reference*, is its last difference
 divided by 2^p - 1 (Richardson), and the error of every other level is its difference from the reference plus this error.
 
+An observed order well above the one that the engine claims means that a term of higher order is still the larger one. The error
+of the claimed order is hidden behind it, and the interval of such a *loose* reference is wider.
+
 If no levels are asymptotic, as in soft contact, where the differences become small without falling evenly, the finest level is
 an *uneven* reference, whose error is taken as `UNEVEN` times the largest of its last differences. Only levels whose difference
 from it is at least `CLEAR` times as large have an estimate then.
@@ -35,6 +38,13 @@ LEAST_WIDTH = 0.01
 #: The ratio of a difference from a finer level to the one that the estimate allows from which on it contradicts the estimate.
 CONTRADICTION = 1.5
 
+#: The excess of an observed order over the claimed one from which on a reference is loose, and the factor of its interval: a
+#: hidden error of the claimed order may be as large as the difference allows and have the opposite sign.
+EXCESS, LOOSE = 0.5, 2.0
+
+#: A difference that is this part of the next finer one, where errors would fall, shows that both are due to rounding.
+RISING = 0.7
+
 #: The error of an uneven reference in terms of its last differences, and the least difference from it, in terms of this error.
 UNEVEN, CLEAR = 2.0, 5.0
 
@@ -59,6 +69,8 @@ class Reference:
         "even" if the levels are asymptotic, "uneven" if they are not, and "rounding" if all differences are due to rounding.
     reason
         Why the levels are not asymptotic, in words.
+    loose
+        The factor by which the interval of its error is wider than that of other references; 1 if it is not loose.
     """
 
     level: int
@@ -66,6 +78,7 @@ class Reference:
     order: float
     kind: Literal["even", "uneven", "rounding"] = "even"
     reason: str = ""
+    loose: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -89,7 +102,9 @@ def accumulated(nudge: float, steps: int) -> float:
 def before_rounding(differences: Differences, levels: int, nudge: float, steps: int) -> int:
     """Return the number of levels, the coarsest first, whose differences are not due to rounding alone.
 
-    The differences of the finest levels are due to rounding if they no longer fall and are as small as rounding makes them.
+    The differences of the finest levels are due to rounding if they no longer fall and are as small as rounding makes them. So
+    are those that fall again after they have risen: with more steps, roundings that are alike in all steps add up, and the
+    differences between such runs may be of any order.
 
     Parameters
     ----------
@@ -101,6 +116,11 @@ def before_rounding(differences: Differences, levels: int, nudge: float, steps: 
         The number of steps of the finest run.
     """
     most = min(DEPENDENT * nudge * steps, MOST_ROUNDING)
+    neighbours = [differences[index, index + 1] for index in range(levels - 1)]
+    for index, (coarse, fine) in enumerate(pairwise(neighbours)):
+        if coarse < RISING * fine and max(neighbours[index:]) <= most:
+            levels = index + 2
+            break
     while levels > 1:
         fine = differences[levels - 2, levels - 1]
         falls = levels > 2 and order(differences[levels - 3, levels - 2], fine) >= LEAST_ORDER
@@ -146,7 +166,7 @@ def reference(
 
 def _agrees(known: Reference, differences: Differences, levels: int, nudge: float, factor: float) -> bool:
     """Return whether the differences of a reference from finer levels are of the size that its error makes them."""
-    most = CONTRADICTION * factor
+    most = CONTRADICTION * factor * known.loose
     for finer in range(known.level + 1, levels):
         expected = known.error * (1 - 2.0 ** (-known.order * (finer - known.level)))
         if not expected / most - nudge <= differences[known.level, finer] <= expected * most + nudge:
@@ -168,7 +188,9 @@ def _asymptotic(differences: Differences, level: int, before_rounding: bool, cla
     if len(orders) == 2 and abs(orders[0] - orders[1]) > MOST_CHANGE * max(1.0, orders[1] / 2):
         return None
     relied = min(orders[-1], claimed)
-    return Reference(level, last[-1] / (2**relied - 1), relied)
+    hidden = orders[-1] > claimed + EXCESS
+    loose = max(LOOSE, (2 ** orders[-1] - 1) / (2**relied - 1)) if hidden else 1.0
+    return Reference(level, last[-1] / (2**relied - 1), relied, loose=loose)
 
 
 def _why(last: Sequence[float], before_rounding: bool) -> str:
@@ -198,7 +220,9 @@ def interval(
     if known.kind == "rounding":
         near = [differences[one, one + 1] for one in (level - 1, level) if 0 <= one < levels - 1]
         size = max(rounding, *near)
-        return Interval(size, 0.0, ROUNDED * size)
+        largest = max((differences[coarser, level] for coarser in range(level)), default=size)  # errors add up with the steps
+        return Interval(max(size, largest), 0.0, max(ROUNDED * size, 2 * largest))
+    factor *= known.loose
     apart = differences[min(level, known.level), max(level, known.level)] if level != known.level else 0.0
     if known.kind == "uneven":
         if level > known.level or apart < CLEAR * known.error:

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +18,6 @@ from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES
 from bodycheck.figures.definition import Comparison
-from bodycheck.files.temporary import temporary_folder
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.trajectory import Array
@@ -27,6 +25,7 @@ from bodycheck.reference.truths import Truth
 from bodycheck.results import resumption
 from bodycheck.results.header import Header
 from bodycheck.results.records import typed
+from bodycheck.robots.elements import printable
 from bodycheck.running import engines as engine_homes
 from bodycheck.running import refining
 from bodycheck.running.campaign import Advance
@@ -34,9 +33,9 @@ from bodycheck.running.instants import default_timestep
 from bodycheck.running.refining import AskFile, Call, Ended, Motion, RunCase, RunFile
 from bodycheck.running.tasks import Question, answer
 from bodycheck.studies.estimate import factors, rating, showing
-from bodycheck.studies.estimate.distances import differences, in_common
+from bodycheck.studies.estimate.limits import Limit, Spread, between, causes_of, limit_of
 from bodycheck.studies.estimate.method import NoTime, Refined, Subject, refined, searched
-from bodycheck.studies.estimate.quantities import AT_END, NAMED, OF_ONE_RUN, PLACES, SHORT, USUAL
+from bodycheck.studies.estimate.quantities import ANGLES, AT_END, NAMED, PLACES, SHORT, USUAL
 from bodycheck.studies.estimate.rating import Head
 from bodycheck.studies.estimate.rows import (
     NO_TIME,
@@ -48,16 +47,12 @@ from bodycheck.studies.estimate.rows import (
     OfEngine,
     joined,
 )
-from bodycheck.studies.parity import study as parity
-from bodycheck.studies.parity.wording import brief, engines_of
+from bodycheck.studies.estimate.spellings import UnknownMethod, check
 from bodycheck.studies.timesteps import control_period
 from bodycheck.suggestion import did_you_mean
 
 #: The time (s) for all runs of a file in one engine, and that for its start before them: some engines compile code then.
 TIME_BUDGET_S, START_S = 30.0, 120.0
-
-#: The number of states at which the models of engines are compared with the file.
-COMPARED_STATES = 20
 
 #: The duration (s) of the runs of a file, and the number of instants at which errors are compared.
 DURATION_S, SAMPLES = 1.0, 101
@@ -185,7 +180,7 @@ def results(
     Raises
     ------
     BadInput
-        If the file has no such keyframe or actuator.
+        If the file has no such keyframe or actuator, or no engine has a method that is named.
     BadJournal
         If another process is writing to the folder.
     """
@@ -193,82 +188,38 @@ def results(
     work = (about, asked.quantities, asked.integrators, asked.identity, asked.keyframe)
     with resumption.opened(folder / RECORDS, head, *work, lost=lambda record: False, about=asdict(about)) as log:
         done = [typed(OfEngine, record["engine"]) for record in log.records if record["record"] == "engine"]
-        limits: dict[str, _Limit] = {}
+        limits: dict[str, Limit] = {}
+        unknown: dict[str, UnknownMethod] = {}
         for name, record in records.items():
             if name not in {one.engine for one in done}:
-                of_engine, limit = _of_engine(asked, name, record)
+                try:
+                    of_engine, limit = _of_engine(asked, name, record)
+                except UnknownMethod as error:
+                    unknown[name] = error
+                    progress(name)
+                    continue
                 log.add({"record": "engine", "engine": asdict(of_engine)})
                 done.append(of_engine)
                 limits |= {} if limit is None else {name: limit}
             progress(name)
-        apart = [typed(_Spread, record["spread"]) for record in log.records if record["record"] == "spread"]
-        spread = apart[0] if apart else _spread(asked, limits)
+        if unknown and not any(one.integrator for one in done):
+            raise next(iter(unknown.values()))
+        apart = [typed(Spread, record["spread"]) for record in log.records if record["record"] == "spread"]
+        spread = (
+            apart[0]
+            if apart
+            else between(None if asked.case is None else asked.case.scene, asked.duration, asked.compared, limits)
+        )
         if not apart:
             log.add({"record": "spread", "spread": spread})
         told = [typed(dict[str, str], record["causes"]) for record in log.records if record["record"] == "causes"]
-        causes = told[0] if told else _causes(asked, {name: records[name] for name in limits})
+        causes = told[0] if told else causes_of(asked.path, asked.packages, {name: records[name] for name in limits})
         if not told:
             log.add({"record": "causes", "causes": causes})
         yield joined(about, done, spread, causes)
 
 
-#: The differences between the limits of pairs of engines, each with its uncertainty, by quantities.
-_Spread = list[tuple[str, str, dict[str, tuple[float, float]]]]
-
-
-@dataclass(frozen=True, eq=False)
-class _Limit:
-    """The run of an engine that is closest to its limit, and the upper ends of the errors of this run, by quantities."""
-
-    motion: Motion
-    errors: Mapping[str, float]
-
-
-def _limit(asked: Asked, known: Sequence[Refined]) -> _Limit | None:
-    """Return the finest run of the method whose finest run has the smallest error; None if no finest run has an estimate."""
-    limits = []
-    for refined_method in known:
-        errors: dict[str, float] = {}
-        for quantity in refined_method.levels.quantities:
-            reference = refined_method.assessed(quantity, asked.duration)
-            if not isinstance(reference, str) and quantity not in OF_ONE_RUN:
-                interval = refined_method.intervals(quantity, asked.duration, reference)[-1]
-                errors |= {} if interval is None else {quantity: interval.high}
-        if errors:
-            limits.append(_Limit(refined_method.levels.levels[-1].motion, errors))
-    return min(limits, key=lambda limit: max(limit.errors.values()), default=None)
-
-
-def _spread(asked: Asked, limits: Mapping[str, _Limit]) -> _Spread:
-    """Return the differences between the limits of engines, at the instants that their finest runs have in common."""
-    scene = None if asked.case is None else asked.case.scene
-    spread = []
-    for (one, here), (other, there) in combinations(limits.items(), 2):
-        places = np.searchsorted(here.motion.t, there.motion.t + 1e-9 * asked.duration, side="right") - 1
-        same = np.abs(here.motion.t[places] - there.motion.t) <= 1e-9 * asked.duration
-        parts = here.motion.part(places[same]), there.motion.part(np.flatnonzero(same))
-        apart = differences(scene, *(parts if scene is not None else in_common(*parts))) if same.any() else {}
-        both = [name for name in asked.compared if name in apart and name in here.errors and name in there.errors]
-        spread.append((one, other, {name: (float(apart[name].max()), here.errors[name] + there.errors[name]) for name in both}))
-    return spread
-
-
-def _causes(asked: Asked, records: Mapping[str, Engine]) -> dict[str, str]:
-    """Return for each of several engines what its reader makes of a file other than the file says, as `bodycheck parity` does.
-
-    Empty for a case, for a single engine, and for a file that only engines read.
-    """
-    if asked.path is None or len(records) < 2:
-        return {}
-    with temporary_folder() as folder, parity.asking(records, 1) as how:
-        try:
-            found = parity.one(records, asked.path, parity.Asking(COMPARED_STATES, packages=asked.packages), folder, how)
-        except BadInput:
-            return {}
-    return {engine: brief(rows) for engine, rows in engines_of(found).items()}
-
-
-def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, _Limit | None]:
+def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Limit | None]:
     """Return the results of one engine, and its limit."""
     with pool.Workers(refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=1) as workers:
         clock = _Clock(workers, time.monotonic() + START_S)
@@ -291,7 +242,7 @@ def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, _Limi
     apart = _from_truth(asked, finest)
     shown = None if asked.file is None else showing.animation(name, facts.method.timestep, every, asked.instants)
     of_engine = OfEngine(name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart, showing.stored(shown))
-    return of_engine, _limit(asked, every)
+    return of_engine, limit_of(asked.duration, every)
 
 
 def _of_method(
@@ -339,7 +290,7 @@ def _from_truth(asked: Asked, finest: Motion | None) -> dict[str, tuple[float, f
 
 def _verdict_of(ended: Ended) -> tuple[str, str]:
     """Return the verdict and the reason for a method that an engine cannot run at all."""
-    return (NO_TIME if ended.status == "timeout" else UNSUPPORTED), ended.reason
+    return (NO_TIME if ended.status == "timeout" else UNSUPPORTED), printable(ended.reason)
 
 
 def _nothing(asked: Asked, name: str, record: Engine, method: Method, verdict: str, reason: str) -> EstimateRow:
@@ -378,13 +329,20 @@ def _facts(asked: Asked, name: str, record: Engine, clock: _Clock) -> FileFacts 
         assert isinstance(facts, Ended)
         return facts
     if asked.keyframe and asked.keyframe not in facts.keyframes:
-        raise BadInput(f"--keyframe {asked.keyframe!r}: {asked.name} has: {', '.join(facts.keyframes) or 'none'}")
+        raise BadInput(f"--keyframe {asked.keyframe!r}: {asked.name} has: {_listed(facts.keyframes)}")
     for actuator in () if asked.controls is None else asked.controls.names:
         if actuator not in facts.actuators:
             meant = did_you_mean(actuator, facts.actuators)
-            there = ", ".join(facts.actuators) or "none"
+            there = _listed(facts.actuators)
             raise BadInput(f"--controls: there is no actuator {actuator!r} in {asked.name}; there are: {there}{meant}")
+    for spelling in asked.integrators:
+        check(spelling, name, asked.name, facts)
     return replace(facts, methods=asked.integrators or facts.methods)
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return a stranger's names on one line; "none" if there are none."""
+    return ", ".join(map(printable, names)) or "none"
 
 
 def _facts_of_case(case: Case, record: Engine, integrators: Sequence[str]) -> FileFacts | Ended:
@@ -414,8 +372,11 @@ def _subject(asked: Asked, facts: FileFacts) -> Subject:
         scene,
         asked.error,
         asked.compared,
-        lambda motion: factors.factors()[_kind(asked, facts, motion)].factor,
+        partial(_kind, asked, facts),
         held,
+        wanted=tuple(
+            name for name in NAMED if name in ANGLES or name in {one.removesuffix(AT_END) for one in asked.quantities}
+        ),
     )
 
 

@@ -97,3 +97,34 @@ def test_a_finer_level_that_contradicts_a_reference_is_not_ignored() -> None:
     known = refinement.reference(differences(errors), len(errors), NUDGE, STEPS, 1.5)
     assert isinstance(known, Reference)
     assert known.kind == "uneven"
+
+
+def test_an_error_that_falls_faster_than_claimed_has_a_wider_interval() -> None:
+    """Errors C h^6 + D h^4 with the smaller term of the claimed order: the next run would be worse than by order 6."""
+    errors = [1.2e-6 / 64**level + 2.8e-8 / 16**level for level in range(4)]
+    apart = {(one, other): errors[one] - errors[other] for one in range(4) for other in range(one + 1, 4)}
+    seen = refinement.reference(apart, 4, 1e-16, 1000, 1.25, 4.0)
+    assert isinstance(seen, refinement.Reference)
+    assert seen.loose > 1
+    finest = refinement.interval(seen, apart, 4, seen.level, 0.0, 1.25)
+    assert finest is not None
+    assert finest.low <= errors[seen.level] <= finest.high
+    even = [2.8e-8 / 16**level for level in range(4)]
+    apart = {(one, other): even[one] - even[other] for one in range(4) for other in range(one + 1, 4)}
+    plain = refinement.reference(apart, 4, 1e-16, 1000, 1.25, 4.0)
+    assert isinstance(plain, refinement.Reference)
+    assert plain.loose == 1
+
+
+def test_differences_that_fall_after_they_have_risen_are_due_to_rounding() -> None:
+    """Positions of a brick that falls for 30 s: roundings that are alike in all steps add up, in runs of up to 1e6 steps."""
+    errors = [8e-10, 1.1e-9, 1.4e-9, 1e-8, 7.3e-9, 2.9e-8, 5.5e-8, 6.8e-8, 7.46e-8]
+    count = len(errors)
+    apart = {(one, other): abs(errors[one] - errors[other]) for one in range(count) for other in range(one + 1, count)}
+    seen = refinement.reference(apart, count, 8.8e-12, 960_512, 1.25, 4.0)
+    assert isinstance(seen, refinement.Reference)
+    for level, error in enumerate(errors):
+        rounding = refinement.accumulated(8.8e-12, 3752 * 2**level)
+        ends = refinement.interval(seen, apart, count, level, rounding, 1.25)
+        assert ends is not None
+        assert ends.low <= error <= ends.high, level
