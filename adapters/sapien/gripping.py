@@ -62,7 +62,7 @@ def add_shape(builder: Any, mechanism: Mechanism, index: int, surface: Mapping[s
 
 def patch(laws: Mapping[tuple[int, int], Law], mechanism: Mechanism, index: int, method: Method) -> dict[str, float]:
     """Return the argument with the patch of the torsional friction of a body on a joint."""
-    own = [law for pair, law in laws.items() if index in pair and law.torsional_friction]
-    if not own or mechanism.joint_of[index] is None:
+    resisting = [law for pair, law in laws.items() if index in pair and law.torsional_friction]
+    if not resisting or mechanism.joint_of[index] is None:
         return {}
-    return {"min_patch_radius": max(patch_radius(law, method) for law in own)}
+    return {"min_patch_radius": max(patch_radius(law, method) for law in resisting)}

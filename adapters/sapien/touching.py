@@ -100,8 +100,8 @@ def built(scene: AnyScene, method: Method) -> Touching:
     system = new_system(scene.gravity, method)
     whole = sapien.Scene([system])
     if scene.plane is None:
-        for shape, own in zip(shapes, groups(between, len(bodies)), strict=True):
-            shape.set_collision_groups(own)
+        for shape, colliding in zip(shapes, groups(between, len(bodies)), strict=True):
+            shape.set_collision_groups(colliding)
     ground = None if scene.plane is None else add_plane(whole, scene.plane.incline, given[WORLD])
     worlds = []
     for body, shape in zip(bodies, shapes, strict=True):
