@@ -18,7 +18,7 @@ MOST_NAMED = 4
 
 @dataclass(frozen=True)
 class Answer:
-    """What the front page says of a subject, in a sentence or two with links."""
+    """A sentence or two, with links, that a page says of a subject."""
 
     subject: str
     sentence: Sentence
