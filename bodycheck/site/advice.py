@@ -1,4 +1,4 @@
-"""What the page of an engine says first: what to use the engine for, what to mind, and what its contacts do.
+"""The sentences that open the page of an engine: what to use the engine for, what to mind, and what its contacts do.
 
 Every number is in a table of the page or leads to its raw row.
 """
@@ -29,19 +29,19 @@ Found = Sequence[tuple[Scene, Cell]]
 
 
 def advice(
-    catalogue: Catalogue, engine: str, found: Found, methods: Sequence[MethodFacts], costs: Sequence[Costs]
+    catalogue: Catalogue, engine: str, cells: Found, methods: Sequence[MethodFacts], costs: Sequence[Costs]
 ) -> Iterator[Answer]:
     """Yield what to use an engine for, what to mind, and what its contacts do, each if anything is known of it.
 
-    found: the cell of each scene. methods: the facts about its methods. costs: accuracy against cost by scene, with those first
+    cells: the cell of each scene. methods: the facts about its methods. costs: accuracy against cost by scene, with those first
     that say most; see `standings.shown`.
     """
-    ran = [(scene, cell) for scene, cell in found if cell.value is not None]
+    ran = [(scene, cell) for scene, cell in cells if cell.value is not None]
     if ran:
         yield Answer("Use it for", (*_best(engine, methods, costs), *_within(ran)))
-    if minded := (*_worst(ran), *_endings(found)):
+    if minded := (*_worst(ran), *_endings(cells)):
         yield Answer("Mind", minded)
-    yield Answer("Contact", _contact(catalogue, engine, found))
+    yield Answer("Contact", _contact(catalogue, engine, cells))
 
 
 def _within(ran: Found) -> Sentence:
@@ -49,10 +49,10 @@ def _within(ran: Found) -> Sentence:
     close = [(scene, cell) for scene, cell in ran if (cell.value or 0.0) <= ENOUGH]
     parts = []
     for kind in KINDS:
-        own = [scene for scene, _ in ran if scene.kind is kind]
-        if own:
+        of_kind = [scene for scene, _ in ran if scene.kind is kind]
+        if of_kind:
             amount = sum(scene.kind is kind for scene, _ in close)
-            parts.append(f"{amount} of {len(own)} ({kind.title[0].lower()}{kind.title[1:]})")
+            parts.append(f"{amount} of {len(of_kind)} ({kind.title[0].lower()}{kind.title[1:]})")
     return (
         Piece(f" Its own method stays within {number(ENOUGH)} rad or m in "),
         Piece(f"{len(close)} of {count(len(ran), 'scene')}", "#scenes"),
@@ -62,7 +62,7 @@ def _within(ran: Found) -> Sentence:
 
 def _best(engine: str, methods: Sequence[MethodFacts], costs: Sequence[Costs]) -> Sentence:
     """Return which method is the most accurate at the cost of the own one, in the scene that says most about costs."""
-    found = next(
+    standing = next(
         (
             (of_scene.scene, one)
             for of_scene in costs
@@ -71,35 +71,35 @@ def _best(engine: str, methods: Sequence[MethodFacts], costs: Sequence[Costs]) -
         ),
         None,
     )
-    if found is None:
+    if standing is None:
         return ()
-    scene, one = found
+    scene, one = standing
     unit = scene.quantity.unit
-    if one.best is one.own:
+    if one.best is one.usual:
         return (
             Piece(f"Of {count(len(one.runs), 'method')} in "),
             Piece(scene.name, links.scene(scene.name)),
-            Piece(f", none is more accurate at the cost of {method(one.own.run)}, which is off by "),
-            *(_error(one.own, unit), Piece(f" and takes {_time(one.own)} for a second of motion.")),
+            Piece(f", none is more accurate at the cost of {method(one.usual.run)}, which is off by "),
+            *(_error(one.usual, unit), Piece(f" and takes {_time(one.usual)} for a second of motion.")),
             *_dearer(one, unit),
         )
     order = next((fact.claimed for fact in methods if fact.name == one.best.run.method[0] and fact.claimed), None)
-    told = f", a method of {ordinal(order)} order" if order else ""
+    of_order = f", a method of {ordinal(order)} order" if order else ""
     return (
-        Piece(f"At no more than the cost of its own method take {method(one.best.run)}{told}: in "),
+        Piece(f"At no more than the cost of its own method take {method(one.best.run)}{of_order}: in "),
         *(Piece(scene.name, links.scene(scene.name)), Piece(" it is off by "), _error(one.best, unit)),
-        Piece(f" for {_time(one.best)} of computing a second of motion, and {method(one.own.run)} by "),
-        *(_error(one.own, unit), Piece(f" for {_time(one.own)}.")),
+        Piece(f" for {_time(one.best)} of computing a second of motion, and {method(one.usual.run)} by "),
+        *(_error(one.usual, unit), Piece(f" for {_time(one.usual)}.")),
     )
 
 
 def _dearer(one: Standing, unit: str) -> Sentence:
     """Return the cheapest method that is accurate enough, where the own one is not; empty if there is none."""
     accurate = [run for run in one.runs if run.error <= ENOUGH]
-    if one.own.error <= ENOUGH or not accurate:
+    if one.usual.error <= ENOUGH or not accurate:
         return ()
     cheapest = min(accurate, key=lambda run: run.cost)
-    times = number(cheapest.cost / one.own.cost, 2)
+    times = number(cheapest.cost / one.usual.cost, 2)
     return (Piece(f" {method(cheapest.run)} is off by "), _error(cheapest, unit), Piece(f" at {times} times the cost."))
 
 
@@ -121,11 +121,11 @@ def _worst(ran: Found) -> Sentence:
     )
 
 
-def _endings(found: Found) -> Sentence:
+def _endings(cells: Found) -> Sentence:
     """Return how many scenes the engine fails, refuses or does not model, with the names of the failed ones."""
     pieces: list[Piece] = []
     for verdict, word in (("failed", "fails in"), ("refused", "refuses"), ("unsupported", "does not model")):
-        scenes = [scene for scene, cell in found if cell.verdict == verdict]
+        scenes = [scene for scene, cell in cells if cell.verdict == verdict]
         if scenes:
             pieces += [Piece(", " if pieces else " It "), Piece(f"{word} {count(len(scenes), 'scene')}")]
             if verdict != "unsupported":
@@ -137,15 +137,15 @@ def _endings(found: Found) -> Sentence:
     return (*pieces, Piece(".")) if pieces else ()
 
 
-def _contact(catalogue: Catalogue, engine: str, found: Found) -> Sentence:
+def _contact(catalogue: Catalogue, engine: str, cells: Found) -> Sentence:
     """Return what the contacts of the engine do at its defaults, or in how many scenes with contact it has results."""
     known = properties(catalogue, engine)
     if known:
         setting, rows = next(iter(known.items()))
-        told = law([row for row, _ in rows])
-        place = Piece("At its defaults" if setting == "defaults" else "With the " + setting + " settings", "#contact")
-        return place, Piece(f" {told}")
-    scenes = [(scene, cell) for scene, cell in found if scene.kind.name == CONTACT]
+        sentence = law([row for row, _ in rows])
+        setting_link = Piece("At its defaults" if setting == "defaults" else "With the " + setting + " settings", "#contact")
+        return setting_link, Piece(f" {sentence}")
+    scenes = [(scene, cell) for scene, cell in cells if scene.kind.name == CONTACT]
     ran = [(scene, cell) for scene, cell in scenes if cell.value is not None]
     if not ran:
         return (Piece(f"No results: it has run none of the {count(len(scenes), 'scene')} of contact."),)
@@ -162,9 +162,9 @@ def _contact(catalogue: Catalogue, engine: str, found: Found) -> Sentence:
     )
 
 
-def _error(found: Priced, unit: str) -> Piece:
-    return Piece(f"{number(found.error, 2)} {unit}", links.row(found.run))
+def _error(run: Priced, unit: str) -> Piece:
+    return Piece(f"{number(run.error, 2)} {unit}", links.row(run.run))
 
 
-def _time(found: Priced) -> str:
-    return milliseconds(found.cost, 2)
+def _time(run: Priced) -> str:
+    return milliseconds(run.cost, 2)

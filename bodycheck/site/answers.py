@@ -18,7 +18,7 @@ MOST_NAMED = 4
 
 @dataclass(frozen=True)
 class Answer:
-    """What the front page says of a subject, in a sentence or two with links."""
+    """A sentence or two, with links, that a page says of a subject."""
 
     subject: str
     sentence: Sentence
@@ -28,8 +28,8 @@ def answers(catalogue: Catalogue, costs: Costs | None, news: Sequence[News]) -> 
     """Yield what the front page opens with. costs: those of the scene that it shows. news: the changes of engines."""
     if costs is not None:
         yield Answer("Accurate at low cost", cheapest(costs))
-        if (told := defaults(costs)) is not None:
-            yield Answer("Defaults", told)
+        if (sentence := defaults(costs)) is not None:
+            yield Answer("Defaults", sentence)
     yield Answer("Changes", changed(catalogue, news))
     if (bodies := contact(catalogue)) is not None:
         yield Answer("Contact", bodies)
@@ -41,7 +41,7 @@ def cheapest(costs: Costs) -> Sentence:
     where = Piece(costs.scene.name, links.scene(costs.scene.name))
     unit = costs.scene.quantity.unit
     runs = [run for one in costs.standings for run in one.runs]
-    if (found := costs.cheapest) is None:
+    if (chosen := costs.cheapest) is None:
         best = min(runs, key=lambda run: run.error)
         return (
             Piece(f"No method stays within {number(ENOUGH)} {unit} in "),
@@ -49,10 +49,10 @@ def cheapest(costs: Costs) -> Sentence:
         )
     return (
         Piece("Take "),
-        Piece(found.run.engine, links.engine(found.run.engine)),
-        Piece(f" with {method(found.run)}: of {len(runs)} methods of {count(len(costs.standings), 'engine')} in "),
-        *(where, Piece(f", it is the cheapest that stays within {number(ENOUGH)} {unit}. It is off by "), _error(found, unit)),
-        Piece(f" and takes {_time(found)} of computing for a second of motion."),
+        Piece(chosen.run.engine, links.engine(chosen.run.engine)),
+        Piece(f" with {method(chosen.run)}: of {len(runs)} methods of {count(len(costs.standings), 'engine')} in "),
+        *(where, Piece(f", it is the cheapest that stays within {number(ENOUGH)} {unit}. It is off by "), _error(chosen, unit)),
+        Piece(f" and takes {_time(chosen)} of computing for a second of motion."),
     )
 
 
@@ -68,16 +68,16 @@ def defaults(costs: Costs) -> Sentence | None:
     first = far[0]
     pieces = [
         Piece(f"{len(far)} of {count(len(known), 'default')} {'is' if len(far) == 1 else 'are'} off by more than "),
-        Piece(f"{number(ENOUGH)} {unit} there, {first.engine}’s {method(first.own.run)} by "),
-        _error(first.own, unit),
+        Piece(f"{number(ENOUGH)} {unit} there, {first.engine}’s {method(first.usual.run)} by "),
+        _error(first.usual, unit),
     ]
     if repairable:
         gain = max(repairable, key=lambda one: one.gain)
         named = listing([one.engine for one in repairable], MOST_NAMED, "engine")
         has = "has a method" if len(repairable) == 1 else "have methods"
         pieces += [
-            Piece(f". {named} {has} within it that cost no more: instead of {method(gain.own.run)}, which is off by "),
-            _error(gain.own, unit),
+            Piece(f". {named} {has} within it that cost no more: instead of {method(gain.usual.run)}, which is off by "),
+            _error(gain.usual, unit),
             Piece(f", {gain.engine} has {method(gain.best.run)}, which is off by "),
             _error(gain.best, unit),
         ]
@@ -121,11 +121,11 @@ def contact(catalogue: Catalogue) -> Sentence | None:
         Piece("How bodies rest, roll, bounce and tip", links.CONTACT),
         Piece(f" in {count(len(sheets), 'engine')}, at defaults and with the best settings"),
     ]
-    for place, row in enumerate(worst[:MOST_NAMED]):
-        joint = " and " if place == min(len(worst), MOST_NAMED) - 1 else ", "
+    for index, row in enumerate(worst[:MOST_NAMED]):
+        joint = " and " if index == min(len(worst), MOST_NAMED) - 1 else ", "
         scene, setting = row.row["scene"], "defaults" if _usual(row) else f"{row.row['setting']} settings"
         pieces += [
-            Piece(joint if place else ". Positions are off by at most "),
+            Piece(joint if index else ". Positions are off by at most "),
             Piece(f"{number(row.row['value'], 2)} m", links.row(row)),
             Piece(f" with {row.engine}’s {setting}, in "),
             Piece(scene, links.scene(scene) if scene in catalogue.scenes else ""),
@@ -144,13 +144,13 @@ def scenes(catalogue: Catalogue) -> Sentence:
     return (Piece(amount, links.SCENES), Piece(", each with pictures of its motion, its case file and all engines."))
 
 
-def _engine(found: Priced) -> str:
-    return f"{found.run.engine} with {method(found.run)}"
+def _engine(run: Priced) -> str:
+    return f"{run.run.engine} with {method(run.run)}"
 
 
-def _error(found: Priced, unit: str) -> Piece:
-    return Piece(f"{number(found.error, 2)} {unit}", links.row(found.run))
+def _error(run: Priced, unit: str) -> Piece:
+    return Piece(f"{number(run.error, 2)} {unit}", links.row(run.run))
 
 
-def _time(found: Priced) -> str:
-    return milliseconds(found.cost, 2)
+def _time(run: Priced) -> str:
+    return milliseconds(run.cost, 2)

@@ -116,11 +116,11 @@ def _contact_row(entry: Entry) -> ContactRow:
 
 def properties(catalogue: Catalogue, engine: str) -> Mapping[Setting, tuple[tuple[PropertyRow, Entry], ...]]:
     """Return the properties of the contacts of an engine by setting, each as a row of the study and with its entry."""
-    found: dict[Setting, list[tuple[PropertyRow, Entry]]] = {}
+    rows: dict[Setting, list[tuple[PropertyRow, Entry]]] = {}
     for entry in newest(catalogue, "contact_properties.csv", engine):
         row = PropertyRow(**_values(entry, MEASURED))
-        found.setdefault(row.setting, []).append((row, entry))
-    return {setting: tuple(found[setting]) for setting in get_args(Setting) if setting in found}
+        rows.setdefault(row.setting, []).append((row, entry))
+    return {setting: tuple(rows[setting]) for setting in get_args(Setting) if setting in rows}
 
 
 def _values(entry: Entry, table: Table[Any]) -> dict[str, Any]:

@@ -54,8 +54,8 @@ class Card:
 
 def card(catalogue: Catalogue, scene: Scene) -> Card:
     """Return the card of a scene."""
-    found = [(engine, cell(catalogue, engine, scene)) for engine in catalogue.engines]
-    return Card(scene, Markup(picture(catalogue, scene)), tuple(_lines(scene, found)))  # numbers alone
+    cells = [(engine, cell(catalogue, engine, scene)) for engine in catalogue.engines]
+    return Card(scene, Markup(picture(catalogue, scene)), tuple(_lines(scene, cells)))  # numbers alone
 
 
 def picture(catalogue: Catalogue, scene: Scene) -> str:
@@ -76,8 +76,8 @@ def _truth(scene: Scene, motion: Motion) -> Trajectory:
     turns = np.stack([_turns(part, t) for part in motion.truth])
     unknown = np.full_like(positions, np.nan)
     several = len(motion.truth) > 1 or len(bodies(scene.case.scene)) > 1
-    found = Trajectory(t, positions, turns, unknown, unknown)
-    return found if several else found.body(0)
+    trajectory = Trajectory(t, positions, turns, unknown, unknown)
+    return trajectory if several else trajectory.body(0)
 
 
 def _places(scene: Scene, motion: Motion, part: Part, t: Array) -> Array:
@@ -102,22 +102,22 @@ def _turns(part: Part, t: Array) -> Array:
     return tracks.played(track, np.clip(t, times[0], times[-1]))[0]
 
 
-def _lines(scene: Scene, found: Sequence[tuple[str, Cell]]) -> list[str]:
+def _lines(scene: Scene, cells: Sequence[tuple[str, Cell]]) -> list[str]:
     """Return what became of the own methods of engines: the smallest and the largest error, and what else happened."""
     unit = scene.quantity.unit
     measured = [
-        (engine, one.value) for engine, one in found if one.value is not None and one.verdict in ("exact", "error", "broken")
+        (engine, one.value) for engine, one in cells if one.value is not None and one.verdict in ("exact", "error", "broken")
     ]
     lines = []
     if measured:
         ends = dict.fromkeys((min(measured, key=lambda one: one[1]), max(measured, key=lambda one: one[1])))
         lines += [f"{number(value, 2)} {unit}".rstrip() + f" {engine}" for engine, value in ends]
     for verdict in TOLD:
-        if engines := [engine for engine, one in found if one.verdict == verdict]:
+        if engines := [engine for engine, one in cells if one.verdict == verdict]:
             lines.append(f"{SCENES[verdict].title}: {listing(engines, MOST_NAMED, 'engine')}")
-    if all(one.verdict == "not run" for _, one in found):
+    if all(one.verdict == "not run" for _, one in cells):
         return ["no runs, but figures in other tables"]
-    without = sum(one.verdict in ("unsupported", "not run") for _, one in found)
+    without = sum(one.verdict in ("unsupported", "not run") for _, one in cells)
     if without:
-        lines.append(f"{len(found) - without} of {len(found)} engines")
+        lines.append(f"{len(cells) - without} of {len(cells)} engines")
     return lines

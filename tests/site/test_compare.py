@@ -148,8 +148,28 @@ def test_of_very_many_versions_in_one_submission_some_are_compared(browser: Any,
     catalogue = catalogued(submission({"releases.csv": study}, engines={"mujoco": "1.0"}))
     (read,) = (json.loads(file.content) for file in compare.pages(catalogue) if file.path.endswith(".json"))
     assert len(read["results"]) == compare.MOST_RESULTS
-    with visiting(browser, built(catalogue, tmp_path / "site") / "compare.html", site=tmp_path / "site") as visit:
+    *_, before, after = catalogue.entries("releases.csv")
+    place = links.compare("mujoco", before, after).removeprefix(links.COMPARE)
+    page = built(catalogue, tmp_path / "site") / links.COMPARE
+    with visiting(browser, page, site=tmp_path / "site", place=place) as visit:
         visit.page.get_by_text("of a submission with very many versions, only some are compared").wait_for()
+
+
+def test_the_page_opens_on_the_two_results_that_differ_in_most_runs(browser: Any, tmp_path: Path) -> None:
+    one, same, other = (
+        submission(
+            [run(version=version, attitude_error=error), run(version=version, integrator="RK4", attitude_error=error)], day=day
+        )
+        for version, error, day in (("3.0", 0.1, "2026-01-01"), ("3.1", 0.1, "2026-01-02"), ("4.0", 0.2, "2026-01-03"))
+    )
+    alike = submission([run(engine="drake", version="1.5")], day="2026-01-04")
+    catalogue = catalogued(one, same, other, alike)
+    with visiting(browser, built(catalogue, tmp_path / "site") / links.COMPARE, site=tmp_path / "site") as visit:
+        visit.page.get_by_text("2 of 2 runs that both have differ").wait_for()
+        assert visit.page.locator("[name=engine]").input_value() == "mujoco"
+        visit.page.locator("[name=engine]").select_option("drake")
+        visit.page.get_by_text("There is one set of results of drake").wait_for()
+        assert visit.page.locator("#found tr").count() == 0
 
 
 def test_the_address_says_what_is_compared(browser: Any, site: Path, catalogue: Catalogue) -> None:

@@ -38,9 +38,9 @@ def test_the_best_method_is_the_most_accurate_one_at_the_cost_of_the_default_and
     catalogue = studied()
     one = standings.standing(catalogue, "mujoco", catalogue.scenes[FREE])
     assert one is not None
-    assert (one.own.run.method, one.default, one.repeated) == (("Euler", 0.002), True, True)
+    assert (one.usual.run.method, one.default, one.repeated) == (("Euler", 0.002), True, True)
     assert one.best.run.method == ("RK4", 0.008)
-    assert one.best.cost <= SAME_COST * one.own.cost
+    assert one.best.cost <= SAME_COST * one.usual.cost
     assert one.recommended is not None
     assert one.recommended.run.method == ("implicitfast", 0.002)
     assert one.gain == pytest.approx(2e5)
@@ -58,7 +58,7 @@ def test_processor_time_counts_and_not_the_time_on_the_wall() -> None:
     catalogue = catalogued(submission({"results.csv": [made.run(role="default")], "tradeoff.csv": [waited]}))
     one = standings.standing(catalogue, "mujoco", catalogue.scenes[FREE])
     assert one is not None
-    assert one.own.cost == pytest.approx(1e-3 * 5e-7 / 2e-6)
+    assert one.usual.cost == pytest.approx(1e-3 * 5e-7 / 2e-6)
 
 
 def test_without_a_study_the_runs_themselves_have_costs_that_were_measured_once() -> None:

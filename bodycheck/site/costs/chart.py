@@ -83,7 +83,7 @@ def pictures(costs: Costs) -> tuple[tuple[str, Markup], ...]:
 
 
 def _plane(costs: Costs, width: int, height: int) -> Plane:
-    drawn = [run for one in costs.standings for run in (one.own, one.recommended, one.best) if run is not None]
+    drawn = [run for one in costs.standings for run in (one.usual, one.recommended, one.best) if run is not None]
     if costs.cheapest is not None:
         drawn.append(costs.cheapest)
     prices = [math.log10(run.cost) for run in drawn]
@@ -119,13 +119,13 @@ def _time(seconds: float) -> str:
 def _engine(plane: Plane, one: Standing) -> list[str]:
     """Return the marks of an engine: its default, the recommended method, and its best method with a line to it."""
     colour = hue(one.engine)[0]
-    x, y = plane.at(one.own)
+    x, y = plane.at(one.usual)
     parts = []
-    if one.best is not one.own:
+    if one.best is not one.usual:
         to_x, to_y = plane.at(one.best)
         parts.append(f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{colour}" stroke-width="1.5"/>')
         parts.append(f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="{MARK:g}" fill="{colour}"/>')
-    if one.recommended is not None and one.recommended is not one.own:
+    if one.recommended is not None and one.recommended is not one.usual:
         side_x, side_y = plane.at(one.recommended)
         parts.append(
             f'<rect class="open" x="{side_x - MARK:.1f}" y="{side_y - MARK:.1f}" width="{2 * MARK:g}" height="{2 * MARK:g}" '
@@ -140,7 +140,7 @@ def _names(plane: Plane, standings: Sequence[Standing]) -> list[str]:
     taken = [
         (x - MARK, y - MARK, x + MARK, y + MARK)
         for one in standings
-        for x, y in (plane.at(run) for run in (one.own, one.recommended, one.best) if run is not None)
+        for x, y in (plane.at(run) for run in (one.usual, one.recommended, one.best) if run is not None)
     ]
     parts = []
     for one in sorted(standings, key=lambda one: plane.up(one.best.error)):

@@ -46,12 +46,12 @@ class Standing:
     ----------
     engine
         The engine.
-    own
+    usual
         Its default method, or the method that represents an engine without one.
     recommended
         The method that its documentation recommends; None if there is none, or if it was not measured.
     best
-        Its most accurate method that costs at most what `own` costs.
+        Its most accurate method that costs at most what `usual` costs.
     runs
         All its runs with costs.
     repeated
@@ -59,7 +59,7 @@ class Standing:
     """
 
     engine: str
-    own: Priced
+    usual: Priced
     recommended: Priced | None
     best: Priced
     runs: tuple[Priced, ...]
@@ -67,13 +67,13 @@ class Standing:
 
     @property
     def default(self) -> bool:
-        """Return whether `own` is the default of the engine, and not a method that stands for one."""
-        return "default" in str(self.own.run.get("role") or "")
+        """Return whether `usual` is the default of the engine, and not a method that stands for one."""
+        return "default" in str(self.usual.run.get("role") or "")
 
     @property
     def gain(self) -> float:
-        """Return how many times the error of `own` is as large as that of `best`."""
-        return self.own.error / self.best.error if self.best.error else 1.0
+        """Return how many times the error of `usual` is as large as that of `best`."""
+        return self.usual.error / self.best.error if self.best.error else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +94,8 @@ class Costs:
     @property
     def far(self) -> tuple[Standing, ...]:
         """Return the engines whose defaults have errors above `ENOUGH`, the worst first."""
-        found = (one for one in self.standings if one.default and one.own.error > ENOUGH)
-        return tuple(sorted(found, key=lambda one: one.own.error, reverse=True))
+        far = (one for one in self.standings if one.default and one.usual.error > ENOUGH)
+        return tuple(sorted(far, key=lambda one: one.usual.error, reverse=True))
 
     @property
     def repairable(self) -> tuple[Standing, ...]:
@@ -110,9 +110,9 @@ def of_scene(catalogue: Catalogue, scene: Scene) -> Costs | None:
     """
     if isinstance(scene.case.scene, Mechanism) and scene.case.scene.controllers:
         return None
-    found = (standing(catalogue, engine, scene) for engine in catalogue.engines)
-    standings = tuple(one for one in found if one is not None)
-    machines = {one.own.run.source.machine for one in standings}
+    known = (standing(catalogue, engine, scene) for engine in catalogue.engines)
+    standings = tuple(one for one in known if one is not None)
+    machines = {one.usual.run.source.machine for one in standings}
     return Costs(scene, standings, len(machines) == 1) if standings else None
 
 
@@ -126,16 +126,16 @@ def standing(catalogue: Catalogue, engine: str, scene: Scene) -> Standing | None
     for runs in (repeated, once):
         priced = [one for run in runs if run.version == cell.run.version and (one := _priced(run, scene)) is not None]
         default = in_role([one.run.row for one in priced], "default")
-        own = priced[default] if default is not None else _of_method(priced, cell.run)
-        if own is not None:
+        usual = priced[default] if default is not None else _of_method(priced, cell.run)
+        if usual is not None:
             recommended = in_role([one.run.row for one in priced], "recommended")
-            affordable = [one for one in priced if one.cost <= SAME_COST * own.cost]
+            affordable = [one for one in priced if one.cost <= SAME_COST * usual.cost]
             best = min(affordable, key=lambda one: (one.error, one.cost))
             return Standing(
                 engine,
-                own,
+                usual,
                 None if recommended is None else priced[recommended],
-                best if own.error > BETTER * best.error else own,
+                best if usual.error > BETTER * best.error else usual,
                 tuple(priced),
                 runs is repeated,
             )
@@ -148,13 +148,13 @@ def shown(catalogue: Catalogue) -> tuple[Costs, ...]:
     This is the scene in which most engines have costs that were measured many times; then that in which most engines have a
     better method at the cost of their default; then the first by name.
     """
-    found = (of_scene(catalogue, scene) for scene in catalogue.scenes.values())
+    known = (of_scene(catalogue, scene) for scene in catalogue.scenes.values())
 
-    def told(costs: Costs) -> tuple[int, int, int]:
+    def weight(costs: Costs) -> tuple[int, int, int]:
         better = sum(one.gain > BETTER for one in costs.standings)
         return sum(one.repeated for one in costs.standings), better, len(costs.standings)
 
-    return tuple(sorted((one for one in found if one is not None), key=told, reverse=True))
+    return tuple(sorted((one for one in known if one is not None), key=weight, reverse=True))
 
 
 def _studied(catalogue: Catalogue, case: str) -> Sequence[Entry]:

@@ -31,18 +31,18 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
             of_source[results.engine].append(results)
         for engine, every in of_source.items():
             compared[engine] += every[:MOST_RESULTS]
-    found = [differences(catalogue, engine, every) for engine, every in compared.items()]
-    yield page(links.COMPARE, "compare.html.jinja", catalogue, rule=changes.RULE, opening=opening(found))
-    for one in found:
+    of_engines = [differences(catalogue, engine, every) for engine, every in compared.items()]
+    yield page(links.COMPARE, "compare.html.jinja", catalogue, rule=changes.RULE, opening=opening(of_engines))
+    for one in of_engines:
         yield from data_files(links.changes(one["engine"]), f'site.differences["{one["engine"]}"]', one)
 
 
-def opening(found: Sequence[Mapping[str, Any]]) -> str:
+def opening(of_engines: Sequence[Mapping[str, Any]]) -> str:
     """Return the engine that the page shows first: one with the most differing runs in a pair of results; "" if there is none.
 
-    found: the differences of each engine.
+    of_engines: the differences of each engine.
     """
-    most = {one["engine"]: max(map(_amount, one["pairs"]), default=0) for one in found}
+    most = {one["engine"]: max(map(_amount, one["pairs"]), default=0) for one in of_engines}
     best = max(most, key=lambda engine: most[engine], default="")
     return best if most.get(best) else ""
 

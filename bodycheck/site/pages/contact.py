@@ -50,7 +50,7 @@ class Cell:
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """What the contacts of an engine do with some settings of which the same is to be said, and the properties of the first."""
+    """The law of the contacts of an engine with settings that share it, and the properties with the first of them."""
 
     engine: str
     version: str
@@ -85,12 +85,12 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
 
 def _cell(catalogue: Catalogue, engine: str, sheet: Sequence[Entry], scene: str) -> Cell:
     """Return the cell of an engine and a scene. sheet: the rows of contact.csv about the engine."""
-    own = {(row.row["setting"], row.get("figure")): row for row in sheet if row.row["scene"] == scene}
-    errors = [found for setting in get_args(Setting) if (found := own.get((setting, "position_error"))) is not None]
+    by_figure = {(row.row["setting"], row.get("figure")): row for row in sheet if row.row["scene"] == scene}
+    errors = [row for setting in get_args(Setting) if (row := by_figure.get((setting, "position_error"))) is not None]
     if errors:
         best = min(errors, key=lambda row: row.row["value"])
         return Cell(engine, errors[0], None if best is errors[0] else best, "")
-    statuses = {str(row.row["status"]) for row in own.values()} or {"not measured"}
+    statuses = {str(row.row["status"]) for row in by_figure.values()} or {"not measured"}
     run = next((run for run in catalogue.runs.get((engine, scene), ())[::-1] if run.get("reason")), None)
     reason = catalogue.without_method.get((engine, scene)) or (run.get("reason") if run is not None else None)
     return Cell(engine, None, None, f"{', '.join(sorted(statuses))}{f': {reason}' if reason else ''}")
@@ -98,22 +98,22 @@ def _cell(catalogue: Catalogue, engine: str, sheet: Sequence[Entry], scene: str)
 
 def _reasons(lines: Sequence[tuple[str, Sequence[Cell]]]) -> list[tuple[str, list[str]]]:
     """Return each reason for which there is no error, with the engines and their scenes."""
-    found: dict[str, dict[str, list[str]]] = {}
+    reasons: dict[str, dict[str, list[str]]] = {}
     for scene, cells in lines:
         for cell in cells:
             if cell.why:
-                found.setdefault(cell.why, {}).setdefault(cell.engine, []).append(scene)
-    return [(why, [f"{name}: {', '.join(scenes)}" for name, scenes in where.items()]) for why, where in found.items()]
+                reasons.setdefault(cell.why, {}).setdefault(cell.engine, []).append(scene)
+    return [(why, [f"{name}: {', '.join(scenes)}" for name, scenes in where.items()]) for why, where in reasons.items()]
 
 
 def _laws(catalogue: Catalogue, engine: str) -> Iterator[Law]:
     """Yield what the contacts of an engine do, once for settings of which the same is to be said."""
     alike: dict[str, list[Setting]] = {}
-    found = properties(catalogue, engine)
-    for setting, rows in found.items():
+    by_setting = properties(catalogue, engine)
+    for setting, rows in by_setting.items():
         alike.setdefault(law([row for row, _ in rows]), []).append(setting)
     for sentence, settings in alike.items():
-        rows = found[settings[0]]
+        rows = by_setting[settings[0]]
         by_key = {(row.property, row.condition): entry for row, entry in rows}
         yield Law(
             engine,
