@@ -5,13 +5,12 @@
     make docs
     python docs/pictures.py gallery build/docs
 
-The first one writes docs/images/matrix-player-SCHEME.png, the matrix of a report beside the player of one of its cases, and the
-other one docs/gallery/images/NAME-SCHEME.png, the first chart of each notebook without its text. Both need Playwright and a
+The first one writes docs/images/first-screen-SCHEME.png, the first screen of a report, and the other one
+docs/gallery/images/NAME-SCHEME.png, the first chart of each notebook without its text. Both need Playwright and a
 Chromium on the path.
 """
 
 import argparse
-import base64
 import sys
 from pathlib import Path
 from typing import Any, Literal
@@ -41,49 +40,18 @@ CROP = """() => {
   svg.setAttribute("preserveAspectRatio", "none");
 }"""
 
-#: The case whose player is shown, and the style of the player: no legend.
-CASE = "intermediate-axis-flip"
-PLAIN = ".player .controls ~ * { display: none !important; }"
-
-#: What is shown side by side: a heading, the element of the report, and the width of the window that it is taken in, in pixels.
-PARTS = (
-    ("Free flight of a turning body: largest attitude error, rad", "#matrix table", 850),
-    ("One case, after ten seconds: a brick spun about its intermediate axis", f"#case-{CASE} .player", 800),
-)
-
-#: The width of the picture in pixels, and its style.
-WIDTH = 1640
-SIDE_BY_SIDE = """
-body { margin: 0; font: bold 17px sans-serif; }
-main { padding: 24px; display: flex; justify-content: space-between; }
-img { display: block; margin-top: 20px; }
-"""
-
-
-def taken(page: Any, selector: str) -> str:
-    """Return the address of a picture of the first such element of a page (Playwright's Page), which contains the picture."""
-    part = page.locator(selector).first
-    part.scroll_into_view_if_needed()
-    part.locator("svg, td").first.wait_for()
-    return "data:image/png;base64," + base64.b64encode(part.screenshot()).decode("ascii")
+#: The width and height of the window for the first screen of a report, in pixels.
+WINDOW = {"width": 1280, "height": 890}
 
 
 def readme(browser: Any, report: Path) -> None:
-    """Take the first matrix of a report and the player of a case, and put them side by side."""
+    """Take the first screen of a report."""
     for scheme in SCHEMES:
-        parts = []
-        for heading, selector, width in PARTS:
-            page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
-            page.goto(f"{report.resolve().as_uri()}#case-{CASE}")  # a case that is named is unfolded
-            page.add_style_tag(content=PLAIN)
-            parts.append(f'<div>{heading}<img src="{taken(page, selector)}"></div>')
-            ground, ink = (page.evaluate(f"getComputedStyle(document.body).{name}") for name in ("backgroundColor", "color"))
-            page.close()
-        page = browser.new_page(viewport={"width": WIDTH, "height": 900})
-        style = f"{SIDE_BY_SIDE} main {{ background: {ground}; color: {ink}; }}"
-        page.set_content(f"<style>{style}</style><main>{''.join(parts)}</main>")
-        page.wait_for_function("[...document.images].every((image) => image.complete && image.naturalWidth)")
-        save(page.locator("main"), DOCS / "images" / f"matrix-player-{scheme}.png")
+        page = browser.new_page(viewport=WINDOW, color_scheme=scheme)
+        page.goto(report.resolve().as_uri())
+        page.locator(".beside svg.marks").wait_for()
+        page.locator(".beside .player[data-ready]").wait_for()
+        save(page, DOCS / "images" / f"first-screen-{scheme}.png")
         page.close()
 
 
@@ -100,7 +68,7 @@ def gallery(browser: Any, built: Path) -> None:
 
 
 def save(part: Any, path: Path) -> None:
-    """Write a picture of an element of a page (Playwright's Locator)."""
+    """Write a picture of a page or of an element of it (Playwright's Page or Locator)."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part.screenshot(path=path)
     print(path, f"{path.stat().st_size / 1000:.0f} kB")

@@ -93,7 +93,7 @@ def test_every_notebook_has_a_card_with_pictures() -> None:
 
 def test_the_pictures_of_the_readme_are_large_enough_to_read_and_small_enough_to_load() -> None:
     for scheme in ("light", "dark"):
-        picture = (ROOT / "docs" / "images" / f"matrix-player-{scheme}.png").read_bytes()
+        picture = (ROOT / "docs" / "images" / f"first-screen-{scheme}.png").read_bytes()
         width, height = struct.unpack(">II", picture[SIZE_IN_PNG])
         assert 1500 < width < 1700
         assert height < width / 2
