@@ -95,8 +95,8 @@ def test_the_pictures_of_the_readme_are_large_enough_to_read_and_small_enough_to
     for scheme in ("light", "dark"):
         picture = (ROOT / "docs" / "images" / f"first-screen-{scheme}.png").read_bytes()
         width, height = struct.unpack(">II", picture[SIZE_IN_PNG])
-        assert 1500 < width < 1700
-        assert height < width / 2
+        assert 1200 < width < 1700
+        assert height < 0.75 * width
         assert len(picture) <= 250_000
 
 
