@@ -51,7 +51,7 @@ def gallery(browser: Any, built: Path) -> None:
 
 
 def save(part: Any, path: Path) -> None:
-    """Write a picture of an element of a page (Playwright's Locator)."""
+    """Write a picture of a page or of an element of it (Playwright's Page or Locator)."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part.screenshot(path=path)
     print(path, f"{path.stat().st_size / 1000:.0f} kB")
