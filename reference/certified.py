@@ -190,7 +190,8 @@ def joint_bounds(mechanism: Mechanism, trajectory: Trajectory, joints: JointMoti
 
     The angle of a hinge is wrong by at most the errors of the attitudes of both its bodies, and the displacement of a slider by
     those of their positions and, where its parent turns, of the parent's attitude times their distance. The world has no error.
-    The bounds include the rounding of the coordinate itself. They are infinite for types of joints other than hinges, sliders and balls.
+    The bounds include the rounding of the coordinate. They are infinite
+    for types of joints other than hinges, sliders and balls.
     """
     position, velocity = EPS * np.abs(joints.position), EPS * np.abs(joints.velocity)
     for joint, (held, moving) in zip(mechanism.joints, places(mechanism), strict=True):
