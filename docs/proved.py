@@ -19,9 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from bodycheck.casefile.case import load, shipped
-from bodycheck.casefile.certificates import FILE, Certified, certificates
 from bodycheck.casefile.content import Case
-from bodycheck.casefile.identity import identity
+from bodycheck.casefile.identity import FILE, Certified, certificates, identity
 from bodycheck.reference.candidate import candidate_of
 from bodycheck.reference.certified import Certificate, proved
 from bodycheck.reference.mechanisms.mechanism import Mechanism

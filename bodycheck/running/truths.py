@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bodycheck.casefile.certificates import word_of
 from bodycheck.casefile.content import Case, check_case
+from bodycheck.casefile.identity import word_of
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import bounds_of
 from bodycheck.reference.candidate import candidate_of

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.casefile.certificates import certificate_of, word_of
 from bodycheck.casefile.content import Case
+from bodycheck.casefile.identity import certificate_of, word_of
 from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact.motion import Event, EventKind, Interface
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Joint, Mechanism, PairContact
