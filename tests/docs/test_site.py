@@ -106,7 +106,7 @@ def test_links_lead_to_pages_and_parts_of_the_site(site: Path) -> None:
 
 @pytest.mark.parametrize("page", TYPES)
 def test_a_page_fits_every_screen(site: Path, chromium: Any, page: str) -> None:
-    """It opens from disk without a complaint or another host, nothing but its tables scrolls sideways, and no code is cut off."""
+    """It opens from disk without a complaint or another host, nothing but tables scrolls sideways, and no code is cut off."""
     for width in WIDTHS:
         for scheme in SCHEMES:
             with browser.visiting(chromium, site / f"{page}.html", width=width, scheme=scheme, site=site) as visit:
