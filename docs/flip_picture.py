@@ -5,6 +5,7 @@ exact one. It writes docs/images/flip-SCHEME.svg. Letters are large, since a tel
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -95,13 +96,15 @@ def picture(scheme: str) -> str:
     ground, ink, fills = COLOURS[scheme]
     case = bodycheck.load(CASE)
     truth = bodycheck.truth(case)
-    size = np.asarray(case.scene.body.shape.semi_axes)
+    scene: Any = case.scene  # a brick in free flight
+    size = np.asarray(scene.body.shape.semi_axes)
     exact = faces(truth.trajectory.quaternion[-1], size)
     parts = [(brick(exact, 0, fills), "exact", f"to {rounded_up(truth.bounds.error.max())} rad")]
     for place, (integrator, name) in enumerate(INTEGRATORS.items(), 1):
         run = bodycheck.simulate(case, "mujoco", integrator, timestep=STEP)
         error = bodycheck.compare(truth, run).maxima()["attitude_error"]
-        drawn = brick(faces(run.outcome.trajectory.quaternion[-1], size), place * PART, fills)
+        outcome: Any = run.outcome  # completed, since there is an error
+        drawn = brick(faces(outcome.trajectory.quaternion[-1], size), place * PART, fills)
         parts.append((drawn + outline(exact, place * PART, ink), name, f"off by {short(f'{error:.2g}')} rad"))
     words = "".join(
         f'<text x="{PART * (place + 0.5)}" y="315">{name}</text>'

@@ -8,11 +8,13 @@ from sphinx.application import Sphinx
 from sphinx.highlighting import PygmentsBridge
 
 
-class LineFormatter(HtmlFormatter[str]):
+class LineFormatter(HtmlFormatter[str]):  # type: ignore[misc]  # Pygments has no types
     """Puts every line of code, with the break at its end, into `<span class="line">`."""
 
     def wrap(self, source: Iterable[tuple[int, str]]) -> Iterator[tuple[int, str]]:
-        return super().wrap((is_code, f'<span class="line">{text}</span>' if is_code else text) for is_code, text in source)
+        lines = ((is_code, f'<span class="line">{text}</span>' if is_code else text) for is_code, text in source)
+        wrapped: Iterator[tuple[int, str]] = super().wrap(lines)
+        return wrapped
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 #: One page of each type: the front page, prose, mathematics, commands, keys, the Python interface, a notebook and the search.
 TYPES = (
     *("index", "truth", "glossary", "reference/columns", "reference/command-line", "reference/case-files"),
-    *("reference/python", "studies", "gallery/index", "gallery/flip", "search"),
+    *("reference/python", "studies", "gallery/index", "gallery/flip", "search", "cases", "start/tutorial"),
 )
 
 #: A telephone, a laptop and a wide screen.
@@ -106,11 +106,13 @@ def test_links_lead_to_pages_and_parts_of_the_site(site: Path) -> None:
 
 @pytest.mark.parametrize("page", TYPES)
 def test_a_page_fits_every_screen(site: Path, chromium: Any, page: str) -> None:
-    """It opens from disk without a complaint or another host, and nothing but its parts scrolls sideways."""
+    """It opens from disk without a complaint or another host, nothing but tables scrolls sideways, and no code is cut off."""
     for width in WIDTHS:
         for scheme in SCHEMES:
             with browser.visiting(chromium, site / f"{page}.html", width=width, scheme=scheme, site=site) as visit:
                 assert visit.page.evaluate("document.documentElement.scrollWidth <= innerWidth"), (width, scheme)
+                cut = "pre => pre.scrollWidth > pre.clientWidth"
+                assert visit.page.evaluate(f"[...document.querySelectorAll('pre')].some({cut})") is False, (width, scheme)
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1280, "light")])
