@@ -210,8 +210,8 @@ def printed(
     known = load_engines(names or ("mujoco",))
     (engine, record), *_ = known.records.items()
     head = campaign.header(_command(engine, count, seed), known.records, known.missing)
-    with temporary_folder() as own:
-        seen = samples(portions(engine, seed, count), folder or own, head, jobs, quiet)
+    with temporary_folder() as unkept:
+        seen = samples(portions(engine, seed, count), folder or unkept, head, jobs, quiet)
     rows = {kind: _judged(kind, seen[kind], record, seed, " ".join(_command(engine, count, seed))) for kind in KINDS}
     if json:
         terminal.print_json({kind: asdict(one) for kind, one in rows.items()})

@@ -71,7 +71,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured of a member: one run of four, and one quantity.
+    """The measurements of a member: one run of four, and one quantity.
 
     Attributes
     ----------
