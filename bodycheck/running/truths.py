@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bodycheck.casefile.content import Case, check_case
-from bodycheck.casefile.identity import word_of
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import bounds_of
 from bodycheck.reference.candidate import candidate_of
@@ -135,6 +134,8 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
     The bounds of the truth's errors are in the units of the figures of a run that they bound. The states of a mechanism are
     given by the names of its joints and bodies.
     """
+    from bodycheck.casefile.identity import word_of  # imports the reading of case files, which workers do not need
+
     trajectory = truth.trajectory
     return {
         "case": case.name,
