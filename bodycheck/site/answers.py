@@ -37,7 +37,10 @@ def answers(catalogue: Catalogue, costs: Costs | None, news: Sequence[News]) -> 
 
 
 def cheapest(costs: Costs) -> Sentence:
-    """Return which method of all engines is the cheapest accurate one in a scene, or which is the most accurate one."""
+    """Return which method of all engines is the cheapest accurate one in a scene, or which is the most accurate one.
+
+    Engines whose costs come from few time steps may have a cheaper method, which the sentence says.
+    """
     where = Piece(costs.scene.name, links.scene(costs.scene.name))
     unit = costs.scene.quantity.unit
     runs = [run for one in costs.standings for run in one.runs]
@@ -47,12 +50,14 @@ def cheapest(costs: Costs) -> Sentence:
             Piece(f"No method stays within {number(ENOUGH)} {unit} in "),
             *(where, Piece(f". {_engine(best)} is closest, with "), _error(best, unit), Piece(f"; it takes {_time(best)}.")),
         )
+    once = sum(not one.repeated for one in costs.standings)
+    few = f" {count(once, 'of the engines was', 'of the engines were')} measured at one or two steps only." if once else ""
     return (
-        Piece("Take "),
-        Piece(chosen.run.engine, links.engine(chosen.run.engine)),
-        Piece(f" with {method(chosen.run)}: of {len(runs)} methods of {count(len(costs.standings), 'engine')} in "),
-        *(where, Piece(f", it is the cheapest that stays within {number(ENOUGH)} {unit}. It is off by "), _error(chosen, unit)),
-        Piece(f" and takes {_time(chosen)} of computing for a second of motion."),
+        Piece(f"Of {len(runs)} methods of {count(len(costs.standings), 'engine')} in "),
+        *(where, Piece(", "), Piece(chosen.run.engine, links.engine(chosen.run.engine))),
+        Piece(f" with {method(chosen.run)} is the cheapest that stays within {number(ENOUGH)} {unit}. It is off by "),
+        _error(chosen, unit),
+        Piece(f" and takes {_time(chosen)} of computing for a second of motion.{few}"),
     )
 
 

@@ -54,7 +54,7 @@ def test_the_advice_counts_scenes_and_prefers_the_cheaper_of_equal_methods() -> 
 
 def test_mistakes_that_the_advice_leaves_out_are_those_of_the_adapter() -> None:
     advice = runpy.run_path(str(ROOT / "docs" / "advice.py"))
-    engine = pytest.importorskip("adapters.pinocchio.adapter", reason="Pinocchio is not installed").engine
+    engine = pytest.importorskip("bodycheck.adapters.pinocchio.engine", reason="Pinocchio is not installed").engine
     assert set(advice["MISTAKES"]) == {each.name for each in engine.integrators if each.demonstrates}
 
 
