@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import needs, turns
+from bodycheck.reference.requirements import needs, touches, turns
 from bodycheck.reports.quantities import QUANTITIES, Quantity
 
 
@@ -34,8 +34,8 @@ class Kind:
         return QUANTITIES[self.quantity]
 
 
-#: The name of the kind of mechanisms in which nothing turns.
-SLIDING = "sliding"
+#: The names of the kinds of scenes with contact, and of mechanisms in which nothing turns.
+CONTACT, SLIDING = "contact", "sliding"
 
 KINDS = (
     Kind(
@@ -47,10 +47,10 @@ KINDS = (
     Kind("translation", "Flight without rotation", "position_error", "Nothing rotates. The position error shows everything."),
     Kind("drag", "Flight against drag", "position_error", "Drag acts on the centre of mass and does not affect the rotation."),
     Kind(
-        "contact",
-        "Contact with a plane",
+        CONTACT,
+        "Contact",
         "position_error",
-        "Friction determines where the body goes, which the position error shows.",
+        "Contacts determine where bodies go, which the position error shows.",
     ),
     Kind(
         "mechanism",
@@ -68,6 +68,8 @@ KINDS = (
 
 
 def kind_of(scene: AnyScene) -> Kind:
-    """Return the kind of a scene: from its requirements, or "sliding" for a mechanism in which nothing turns."""
-    name = SLIDING if isinstance(scene, Mechanism) and not turns(scene) else needs(scene).kind
+    """Return the kind of a scene: from its requirements; for a mechanism from whether bodies touch, and whether any turns."""
+    name = needs(scene).kind
+    if isinstance(scene, Mechanism):
+        name = CONTACT if touches(scene) else name if turns(scene) else SLIDING
     return next(kind for kind in KINDS if kind.name == name)

@@ -34,9 +34,13 @@ def test_a_kind_follows_from_what_a_scene_requires(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "kind"), [("pendulum-large", "mechanism"), ("slider-all", "sliding"), ("cart-pole", "mechanism")]
+    ("name", "kind"),
+    [
+        *[("pendulum-large", "mechanism"), ("slider-all", "sliding"), ("cart-pole", "mechanism")],
+        *[("gripped-block-holds", "contact"), ("stack-of-ten", "contact")],
+    ],
 )
-def test_mechanisms_are_told_apart_by_whether_anything_turns(name: str, kind: str) -> None:
+def test_mechanisms_are_told_apart_by_whether_bodies_touch_and_whether_any_turns(name: str, kind: str) -> None:
     assert kind_of(load(name).scene).name == kind
 
 
