@@ -124,6 +124,8 @@
   const fill = (legend) => {
     if (legend.dataset.filled) return;
     legend.dataset.filled = "yes";
+    const own = legend.querySelector("template"); // without scripts, buttons would do nothing
+    if (own) legend.append(own.content.cloneNode(true));
     if (legend.dataset.lines) {
       const { firstElementChild: floor, children } = swatches.content;
       const places = legend.dataset.lines.split(" ").filter(Boolean);

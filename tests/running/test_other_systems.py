@@ -29,7 +29,7 @@ def test_a_run_with_its_truth_and_report_works_elsewhere(system: str, tmp_path: 
         (row, *_) = csv.DictReader(file)
     assert row["status"] == "ok"
     assert float(row["truth_error"]) < 1e-12, "the truth was computed in a worker process too"
-    assert (tmp_path / "results" / "report.html").stat().st_size > 1e6
+    assert (tmp_path / "results" / "report.html").stat().st_size > 3e5
 
 
 #: Names that no file can have on Windows, and characters that no name can have there.

@@ -173,8 +173,10 @@ def test_a_process_is_kept_between_calls_and_replaced_when_it_dies() -> None:
 def test_several_processes_of_a_group_are_kept_from_one_map_to_the_next() -> None:
     with pool.Workers(whose_process, 2, LIMIT, kept=2, group=lambda name: name[0]) as workers:
         first, other, again = ({pid for _, pid in workers.map([f"{group}{n}" for n in range(8)])} for group in "aba")
-    assert again <= first
-    assert not first & other
+    # A process may take all calls of a map before the other one has started.
+    assert first & again
+    assert len(first | again) <= 2
+    assert not (first | again) & other
 
 
 def test_calls_without_a_process_say_why_and_harm_no_others(tmp_path: Path) -> None:

@@ -11,7 +11,8 @@ from bodycheck.commands import saved as saved_folders
 from bodycheck.errors import BadInput
 from bodycheck.judging import result_set
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.runs import comparison, contents
+from bodycheck.reports.runs import comparison
+from bodycheck.reports.runs.charts import drawn_cases
 from bodycheck.results.store import Results
 from tests.support import saved_results
 from tests.support.saved_results import call
@@ -34,7 +35,7 @@ def test_a_case_that_is_not_drawn_says_how_to_draw_it(saved: Path, tmp_path: Pat
     folder = tmp_path / "run"
     shutil.copytree(saved / "run", folder)
     assert drawn(folder) == {"spin", "slide"}
-    monkeypatch.setattr(contents, "MOST_DRAWN", 1)
+    monkeypatch.setattr(drawn_cases, "MOST_DRAWN", 1)
     assert call("report", folder) == 1
     (shown,) = drawn(folder)
     other = ({"spin", "slide"} - {shown}).pop()
@@ -80,6 +81,6 @@ def test_drawn_first_are_the_cases_that_findings_name_then_those_that_failed_the
         largest = dict(ok.discrepancy.largest) | {"attitude_error": error}
         verdict = replace(ok, discrepancy=replace(ok.discrepancy, largest=largest), passed=passed)
         cases.append(replace(spin, name=f"case-{place}", verdicts=(verdict,)))
-    assert set(contents.drawn_cases(cases, ())) == {case.name for case in cases}
-    monkeypatch.setattr(contents, "MOST_DRAWN", 4)
-    assert contents.drawn_cases(cases, (Finding("Attitude", "in ", "case-3"),)) == ["case-3", "case-2", "case-4", "case-1"]
+    assert set(drawn_cases.drawn_cases(cases, ())) == {case.name for case in cases}
+    monkeypatch.setattr(drawn_cases, "MOST_DRAWN", 4)
+    assert drawn_cases.drawn_cases(cases, (Finding("Attitude", "in ", "case-3"),)) == ["case-3", "case-2", "case-4", "case-1"]

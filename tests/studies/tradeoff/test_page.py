@@ -28,6 +28,9 @@ from tests.support.wording import facts
 
 FLIP, FLIGHT, SLIDE = "intermediate-axis-flip", "projectile", "sliding-brick"
 
+#: The part by which a number that a page shows may differ from the number itself: half a unit of the second digit.
+SHOWN = 0.05
+
 
 STEPS = (0.02, 0.01, 0.005, 0.002, 0.001)
 
@@ -86,14 +89,14 @@ def timed_once(row: Row, engines: Mapping[str, Engine]) -> Row:
 def test_written_side_by_side_and_small(study: Study, tmp_path: Path) -> None:
     paths = reports.write_study(study.report, tmp_path)
     assert [path.name for path in paths] == ["report.html", "report.md"]
-    assert 0.5e6 < paths[0].stat().st_size < 1.5e6
+    assert 0.3e6 < paths[0].stat().st_size < 1.5e6  # the library of charts is compressed
     assert paths[1].stat().st_size < 60_000
 
 
 def test_a_page_stands_alone(page: str, study: Study) -> None:
     pages.check(page)
     scripts = attributes_of(page, "script")
-    assert len(scripts) == 5  # folds, sorting, the charts, the library, the page's own
+    assert len(scripts) == 6  # folds, sorting, unpacking, the charts, the library, the page's own
     assert page.lower().count("</script") == len(scripts)
     assert page.count('class="chart"') == sum(len(part.charts) for part in study.report.parts)
 
@@ -217,10 +220,10 @@ def test_tables_have_the_measured_numbers(study: Study, page: str) -> None:
         for point in case.front(case.primary):
             evaluations = float(case.row(point)["evaluations"])
             own = [point.error, point.cost, point.cost_low, point.cost_high, 1 / point.cost, evaluations]
-            assert own in values
+            assert any(line == pytest.approx(own, rel=SHOWN) for line in values if len(line) == len(own))
         for o in case.orders:
             if o.quantity in case.quantities and o.order is not None:
-                assert any(o.order in line for line in values)
+                assert any(cell.strip().startswith(f"{o.order:.2f}") for row in Page(page).rows for cell in row), o.order
 
 
 def test_markdown_says_the_same(study: Study) -> None:
