@@ -69,7 +69,7 @@ KINDS = (
 
 def kind_of(scene: AnyScene) -> Kind:
     """Return the kind of a scene: from its requirements; for a mechanism from whether bodies touch, and whether any turns."""
-    name = needs(scene).kind
+    name: str = needs(scene).kind
     if isinstance(scene, Mechanism):
         name = CONTACT if touches(scene) else name if turns(scene) else SLIDING
     return next(kind for kind in KINDS if kind.name == name)

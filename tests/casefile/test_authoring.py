@@ -116,16 +116,17 @@ def test_the_command_prints_the_schema(capsys: pytest.CaptureFixture[str]) -> No
 
 
 def test_the_schema_in_draft_07_means_the_same(capsys: pytest.CaptureFixture[str], validator: Draft202012Validator) -> None:
-    """All shipped cases fit both, and what does not fit one does not fit the other, at the same places."""
+    """All shipped cases fit both. What does not fit one does not fit the other: each key, in the first case that has it."""
     assert call("schema", "--draft", "07") == 0
     printed = json.loads(capsys.readouterr().out)
     Draft7Validator.check_schema(printed)
     assert "$defs" not in json.dumps(printed)
-    older = Draft7Validator(printed)
+    older, tried = Draft7Validator(printed), set[str]()
     for name in shipped():
         table = tomllib.loads(FILES[name].read_text("utf-8"))
         assert older.is_valid(table), name
-        for key in list(table):
+        for key in table.keys() - tried:
+            tried.add(key)
             for changed in (table | {key: "no such value"}, {one: table[one] for one in table if one != key}, table | {"x": 1}):
                 assert older.is_valid(changed) is validator.is_valid(changed), (name, key)
 

@@ -85,6 +85,10 @@ timestep = 0.002
 status = "diverged"
 """
 
+#: The most processor time (s) that a file may take. The largest mutants take up to half a second, and twice as much where other
+#: processes use the same caches and cores.
+LONGEST_S = 3.0
+
 #: As little as files may have.
 BARE = (
     'format = 1\nname = "bare"\ntitle = ""\nbody = {shape = "sphere", radius = 1, mass = 1}\nrun = {duration = 1, samples = 2}'
@@ -314,7 +318,7 @@ def watch(folder: str, seed: int, count: int) -> None:
         watched, taken = False, time.process_time() - start
         slowest = max(slowest, taken)
         ends[end] += 1
-        problem = problem or (f"took {taken:.2f} s" if taken > 1 else "") or ", ".join(seen)
+        problem = problem or (f"took {taken:.2f} s" if taken > LONGEST_S else "") or ", ".join(seen)
         if problem:
             problems.append(f"{name}: {problem}: {content[:2000]!r}" if len(problems) < 20 else name)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
