@@ -213,7 +213,7 @@ def _compared(
         try:
             shown = _small(motion, Fraction(instant))
         except NotEnclosed as ended:
-            if not row:
+            if row <= 1:  # an initial state alone is no motion
                 raise
             until, reason = float(printed.t[row - 1]), str(ended)
             break
