@@ -5,7 +5,7 @@ those of the file, or others that the caller names. Positions and attitudes are 
 """
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
@@ -242,6 +242,12 @@ def check_run(engine: str, run: FileRun, methods: Sequence[str]) -> None:
         raise MotionRefused(f"{engine} reads no keyframe {run.keyframe!r}")
     if run.controls is not None:
         raise MotionRefused(f"{engine} is not given the controls of actuators of a file")
+
+
+def contact_of(names: Iterable[str]) -> str:
+    """Return the contact of two bodies in words, the same in whichever order an engine names them."""
+    one, other = sorted(names)
+    return f"contact of {one} and {other}"
 
 
 def sampled(scene: SteppedScene, run: FileRun) -> FileMotion:

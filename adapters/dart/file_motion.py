@@ -12,7 +12,7 @@ import numpy as np
 
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.dart.robots import joints_of, loaded, world_of_mjcf
-from bodycheck.adapters.file_motion import FileFacts, FileMotion, FileRun, Names, Seen, check_run, nudged, sampled
+from bodycheck.adapters.file_motion import FileFacts, FileMotion, FileRun, Names, Seen, check_run, contact_of, nudged, sampled
 from bodycheck.adapters.quiet import overheard
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.reference.trajectory import Array
@@ -94,8 +94,7 @@ def _touching(world: Any) -> Iterator[str]:
     """Yield the contacts of the last step in words."""
     for contact in world.getLastCollisionResult().getContacts():
         frames = (contact.collisionObject1.getShapeFrame(), contact.collisionObject2.getShapeFrame())
-        one, other = sorted(frame.asShapeNode().getBodyNodePtr().getName() for frame in frames)
-        yield f"contact of {one} and {other}"
+        yield contact_of(frame.asShapeNode().getBodyNodePtr().getName() for frame in frames)
 
 
 def _moves(joint: Any) -> bool:

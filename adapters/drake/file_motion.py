@@ -15,7 +15,7 @@ from pydrake.systems.framework import DiagramBuilder
 from bodycheck.adapters.contract import EngineDiverged, Method
 from bodycheck.adapters.drake.models import configured
 from bodycheck.adapters.drake.robots import filled, heard, joints_of, named
-from bodycheck.adapters.file_motion import FileFacts, FileMotion, FileRun, Names, Seen, check_run, nudged, sampled
+from bodycheck.adapters.file_motion import FileFacts, FileMotion, FileRun, Names, Seen, check_run, contact_of, nudged, sampled
 from bodycheck.adapters.quiet import refusal
 from bodycheck.adapters.robot_numbers import floating_joints
 from bodycheck.adapters.robot_reading import ModelRefused, RobotFile
@@ -104,8 +104,7 @@ class _Scene:
         acting = []
         for index in range(results.num_point_pair_contacts()):
             info = results.point_pair_contact_info(index)
-            names = sorted(self.plant.get_body(body).name() for body in (info.bodyA_index(), info.bodyB_index()))
-            acting.append(f"contact of {names[0]} and {names[1]}")
+            acting.append(contact_of(self.plant.get_body(body).name() for body in (info.bodyA_index(), info.bodyB_index())))
         for name, joint in (self.hinges | self.slides).items():
             lower, upper = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
             if not lower < q[joint.position_start()] < upper:

@@ -11,7 +11,7 @@ import newton
 import numpy as np
 
 from bodycheck.adapters.contract import Method
-from bodycheck.adapters.file_motion import FileFacts, FileMotion, FileRun, Names, Seen, check_run, nudged, sampled
+from bodycheck.adapters.file_motion import FileFacts, FileMotion, FileRun, Names, Seen, check_run, contact_of, nudged, sampled
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton.robots import Imported, Joint, imported
 from bodycheck.adapters.newton.solvers import OF_MUJOCO, SOLVERS
@@ -120,5 +120,4 @@ class _Scene:
         count = int(self.contacts.rigid_contact_count.numpy()[0])
         shapes = [array.numpy()[:count] for array in (self.contacts.rigid_contact_shape0, self.contacts.rigid_contact_shape1)]
         for pair in zip(*shapes, strict=True):
-            one, other = sorted("the world" if bodies[shape] < 0 else self.robot.names[bodies[shape]] for shape in pair)
-            yield f"contact of {one} and {other}"
+            yield contact_of("the world" if bodies[shape] < 0 else self.robot.names[bodies[shape]] for shape in pair)

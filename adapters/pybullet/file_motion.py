@@ -19,6 +19,7 @@ from bodycheck.adapters.file_motion import (
     Names,
     Seen,
     check_run,
+    contact_of,
     nudged,
     sampled,
 )
@@ -137,8 +138,7 @@ class _Scene:
     def _touching(self) -> Iterator[str]:
         """Yield the contacts of the last step in words."""
         for contact in pybullet.getContactPoints(physicsClientId=self.client):
-            one, other = sorted(self._name(*side) for side in (contact[1:4:2], contact[2:5:2]))
-            yield f"contact of {one} and {other}"
+            yield contact_of(self._name(*side) for side in (contact[1:4:2], contact[2:5:2]))
 
     def _name(self, body: int, link: int) -> str:
         """Return the name of a link, or of the base of a body."""

@@ -12,7 +12,7 @@ import numpy as np
 from sapien import physx
 
 from bodycheck.adapters.contract import Method
-from bodycheck.adapters.file_motion import FileFacts, FileMotion, FileRun, Names, Seen, check_run, nudged, sampled
+from bodycheck.adapters.file_motion import FileFacts, FileMotion, FileRun, Names, Seen, check_run, contact_of, nudged, sampled
 from bodycheck.adapters.quiet import overheard
 from bodycheck.adapters.robot_reading import FormatUnknown, RobotFile
 from bodycheck.adapters.sapien.links import switch_off
@@ -104,5 +104,4 @@ class _Scene:
         """Yield the contacts of the last step in words."""
         for contact in self.system.get_contacts():
             if any(point.separation <= 0 for point in contact.points):
-                one, other = sorted(body.name for body in contact.bodies)
-                yield f"contact of {one} and {other}"
+                yield contact_of(body.name for body in contact.bodies)
