@@ -20,7 +20,7 @@ import numpy as np
 
 from bodycheck.casefile.case import load, shipped
 from bodycheck.casefile.content import Case
-from bodycheck.casefile.identity import FILE, Certified, certificates, identity
+from bodycheck.casefile.identity import identity
 from bodycheck.reference.candidate import candidate_of
 from bodycheck.reference.certified import Certificate, proved
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -28,6 +28,7 @@ from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.one_joint import has_one_joint
 from bodycheck.reference.proof.proving import enclosed
 from bodycheck.reference.truth import truth
+from bodycheck.running.certificates import FILE, Certified, certificates
 
 HEAD = "| case | word | until, s | attitude within, rad | radius | proof | s |\n| --- | --- | --- | --- | --- | --- | ---: |"
 

@@ -134,7 +134,7 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
     The bounds of the truth's errors are in the units of the figures of a run that they bound. The states of a mechanism are
     given by the names of its joints and bodies.
     """
-    from bodycheck.casefile.identity import word_of  # imports the reading of case files, which workers do not need
+    from bodycheck.running.certificates import word_of  # imports the reading of case files, which workers do not need
 
     trajectory = truth.trajectory
     return {

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.casefile.content import Case
-from bodycheck.casefile.identity import certificate_of, word_of
 from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact.motion import Event, EventKind, Interface
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Joint, Mechanism, PairContact
@@ -18,6 +17,7 @@ from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Push, S
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.quantities import bound, count, listing, number, vector
 from bodycheck.reports.runs.control import controllers, stops, unit_of
+from bodycheck.running.certificates import certificate_of, word_of
 
 #: The verbs for the events of bodies that touch.
 EVENTS: dict[EventKind, str] = {

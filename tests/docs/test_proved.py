@@ -3,7 +3,7 @@
 import runpy
 
 from bodycheck.casefile.case import load, parse, shipped
-from bodycheck.casefile.identity import certificate_of, certificates, word_of
+from bodycheck.running.certificates import certificate_of, certificates, word_of
 from tests.support import ROOT
 from tests.support.cases import a_case
 
