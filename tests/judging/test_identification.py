@@ -48,7 +48,7 @@ FLIP, COMPLEX = load("intermediate-axis-flip"), load("osrf-boxes-complex")
 #: In its place, unturned.
 SPUN = State(angular_velocity=COMPLEX.scene.initial.angular_velocity)
 
-BRIEF = {case.name: shortened(case, 2.0, 101) for case in (FLIP, COMPLEX)}
+BRIEF = {case.name: shortened(case, 1.0, 51) for case in (FLIP, COMPLEX)}
 
 
 @cache
@@ -256,7 +256,7 @@ def test_nor_does_what_only_rounding_could_excuse() -> None:
 def test_nor_does_a_scheme_that_leaves_a_tenth_of_the_discrepancy() -> None:
     """Of two schemes of the fourth order at a small step, seen but three times: less apart than rounding may be."""
     spin = load("short-axis-spin")
-    case = shortened(replace(spin, scene=replace(spin.scene, gravity=0.0)), 3.0, 4)
+    case = shortened(replace(spin, scene=replace(spin.scene, gravity=0.0)), 2.0, 4)
     run = miniature(case, three_eighths, 0.002)
     identification = found(case, run)
     assert identification.cannot_tell
@@ -267,7 +267,7 @@ def test_nor_does_a_scheme_that_leaves_a_tenth_of_the_discrepancy() -> None:
 
 
 def test_with_a_small_step_a_good_scheme_is_the_truth() -> None:
-    case = shortened(COMPLEX, 0.3, 7)
+    case = shortened(COMPLEX, 0.15, 4)
     identification = found(case, simulate(case, "mujoco", "RK4", 0.0005))
     assert identification.cannot_tell
     assert identification.nearest == ""
@@ -284,7 +284,7 @@ def test_fluid_that_meets_the_rotation_is_in_no_scheme() -> None:
 @pytest.mark.parametrize("timestep", [0.01, 0.002])
 def test_the_truth_is_no_scheme(timestep: float) -> None:
     """However small the step: where a scheme is as good as exact, the case cannot tell the one from the other."""
-    case = shortened(COMPLEX, 0.5, 51)
+    case = shortened(COMPLEX, 0.25, 26)
     steps = sampling_steps(case.instants, timestep)
     motion = truth_of(case).at(steps * timestep).trajectory
     states = np.hstack([motion.position, motion.quaternion, motion.velocity, motion.angular_velocity])

@@ -43,7 +43,7 @@ def run(cases: list[Case], folder: Path, integrators: tuple[str, ...] = (), time
 def orders(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str, str], Order]:
     # Half of the ten seconds, in which errors of first order leave their range at twice the step.
     case = shortened(load(request.param), 5.0, 501)
-    results = run([case], tmp_path_factory.mktemp("ladder"), timesteps=tuple(step for step in ladder(case) if step >= 2e-4))
+    results = run([case], tmp_path_factory.mktemp("ladder"), timesteps=tuple(step for step in ladder(case) if step >= 5e-4))
     found = tradeoff.orders(results, judgement.judge(results), ENGINES)
     return {(order.engine, order.integrator, order.quantity): order for order in found}
 
@@ -115,7 +115,7 @@ CASES = [("osrf-boxes-complex", "attitude"), ("free-brick", "energy"), ("spinnin
 def priced(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[dict[str, object]]]:
     """Three cases on short ladders, with costs that are measured roughly: nothing that is said of them needs their digits."""
     cases = [load(name) for name, _ in CASES]
-    results = run(cases, tmp_path_factory.mktemp("priced"), timesteps=(0.01, 0.005, 0.002))
+    results = run(cases, tmp_path_factory.mktemp("priced"), timesteps=(0.01, 0.002))
     verdicts = judgement.judge(results)
     with calls_here(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(cost, "MIN_TIMING_S", cost.MIN_TIMING_S / 10)
