@@ -15,7 +15,7 @@ from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.running import campaign
-from tests.support.cases import OF_ONE_BODY, TOUCHING
+from tests.support.cases import OF_ONE_BODY, TOUCHING, shortened
 from tests.support.truths import truth_for_runs
 
 WHOLE = load("intermediate-axis-flip").text.partition("[[expect]]")[0]
@@ -45,7 +45,7 @@ def another_machine(case: Case, run: Run, seed: int) -> Run:
 
 @pytest.mark.parametrize(
     ("engine", "integrator"),
-    [("mujoco", "Euler"), ("mujoco", "RK4"), ("mujoco", "implicit"), ("pinocchio", "body-twist-euler"), ("pinocchio", "rk4")],
+    [("mujoco", "Euler"), ("mujoco", "RK4"), ("pinocchio", "rk4")],
 )
 def test_another_machine_has_not_changed_anything(engine: str, integrator: str) -> None:
     """Each step's rounding errors are carried by the flip, which makes of them what it would on a real machine."""
@@ -78,7 +78,7 @@ def test_single_precision_is_allowed_its_own_rounding() -> None:
 
 @pytest.mark.parametrize("name", sorted({*OF_ONE_BODY, *TOUCHING}))
 def test_what_touches_or_lies_flat_does_so_when_nudged(name: str) -> None:
-    case = replace(load(name), samples=3)
+    case = shortened(load(name), 0.1, 3)
     adapter = registry.load("mujoco")
     run = simulate(case, "mujoco", offers.offered(adapter.engine, case.scene)[0], 0.01)
     for seed in range(rounding.NUDGES):
