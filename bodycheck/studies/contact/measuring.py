@@ -93,7 +93,8 @@ class Bench:
     def measure(self, tasks: Sequence[Task]) -> None:
         """Make the runs that have not been made yet."""
         left = [task for task in dict.fromkeys(tasks) if task.key not in self.runs]
-        self.compute_truths(task for task in left if not_modelled(self.engines[task.engine], task.case.scene, task.method) is None)
+        lacking = (not_modelled(self.engines[task.engine], task.case.scene, task.method) for task in left)
+        self.compute_truths(task for task, reason in zip(left, lacking, strict=True) if reason is None)
         with progress("trying settings", len(left), self.quiet) as advance:
             for task, answer in self.workers.map(left):
                 assert isinstance(task, Task)

@@ -19,8 +19,8 @@ from bodycheck.reference.truths import Truth
 TAG = "contact"
 
 #: Shipped cases that are on the sheet only if they are named. What `block-rests-on-ramp` shows in a minute, the probe of creep
-#: measures in two seconds; `stack-mass-ratio` and `rolling-coin-circle` show what the next two show, at a fraction of their cost;
-#: the others repeat scenes of the sheet with sensors.
+#: measures in two seconds. `stack-mass-ratio` and `rolling-coin-circle` show what the next two show, at a fraction of their
+#: cost. The others repeat scenes of the sheet with sensors.
 ONLY_NAMED = frozenset(
     {"block-rests-on-ramp", "stack-of-ten", "rolling-coin-wobble", "sensor-block-on-ramp", "sensor-rolling-ball"}
 )
