@@ -228,6 +228,11 @@ def grips(scene: AnyScene) -> TypeGuard[Mechanism]:
     return isinstance(scene, Mechanism) and bool(scene.joints) and bool(scene.contacts)
 
 
+def free_bodies_touch(scene: AnyScene) -> bool:
+    """Return whether `touches` is True and no body is on a joint."""
+    return touches(scene) and not grips(scene)
+
+
 def slides(scene: AnyScene) -> TypeGuard[Scene]:
     """Return whether the motion is computed by `sliding`: the scene is one body on a plane, and `touches` is False."""
     return isinstance(scene, Scene) and scene.plane is not None and not touches(scene)

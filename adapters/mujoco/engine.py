@@ -44,7 +44,7 @@ from bodycheck.adapters.mujoco.models import compiled_model
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import grips, touches
+from bodycheck.reference.requirements import free_bodies_touch, touches
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -155,7 +155,7 @@ def contact_terms(scene: AnyScene, method: Method) -> str:
 
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
-    if touches(scenes[0]) and not grips(scenes[0]):
+    if free_bodies_touch(scenes[0]):
         return touching.prepare(scenes[0], method)
     if isinstance(scenes[0], Mechanism):
         return mechanisms.prepare(scenes[0], method)
@@ -194,7 +194,7 @@ def prepare_links(given: Sequence[Link], scene: Scene, method: Method) -> Steppe
 
 def script(scene: AnyScene, method: Method, duration: float, samples: int) -> str:
     """Return a script for MuJoCo alone, as `Scripts.script` does."""
-    if touches(scene) and not grips(scene):
+    if free_bodies_touch(scene):
         return exporting.touching_script(scene, method, duration, samples)
     if isinstance(scene, Mechanism):
         return mechanisms.script(scene, method, duration, samples)

@@ -31,7 +31,7 @@ from bodycheck.adapters.touching import Pushed, TouchingBody, touching_bodies
 from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms.exact import nearest_inertia, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import grips, touches
+from bodycheck.reference.requirements import free_bodies_touch, touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor, SensorType, split
 from bodycheck.reference.trajectory import Array
@@ -117,7 +117,7 @@ def braked(scene: Scene, method: Method) -> bool:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
-    if touches(scene) and not grips(scene):
+    if free_bodies_touch(scene):
         return _touching(scene, sensors, method)
     if isinstance(scene, Mechanism):
         return _mechanism(scene, sensors, method)

@@ -32,7 +32,7 @@ from bodycheck.adapters.touching import corners_of_brick, lying_shape, touching_
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import grips, touches
+from bodycheck.reference.requirements import free_bodies_touch
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -112,7 +112,7 @@ calls = tuple(
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    if touches(scene) and not grips(scene):
+    if free_bodies_touch(scene):
         return touching.prepare(scene, method)
     if isinstance(scene, Mechanism):
         simulation, _, _ = jointed(scene, method)
@@ -122,7 +122,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
-    if touches(scene) and not grips(scene):
+    if free_bodies_touch(scene):
         server = touching.built(scene, method)
         bodies = [
             mechanisms.Part(world.body, BASE, np.array(body.body.axes))

@@ -9,10 +9,11 @@ push is a force that is applied in each step.
 Bullet bounces bodies before they touch: a contact exists from a distance of 2 cm on, and the step that would close the gap
 gives the body the velocity of the bounce less that which would close the gap in the step. With steps so short that a body
 crosses the 2 cm in several of them, this takes the bounce away: with a coefficient of 0.8, balls that fall by some half a metre
-keep 0.6 to 0.9 of their velocity at PyBullet's 1/240 s, 0 to 0.7 at 1 ms, and nothing at 0.5 ms. Three of PyBullet's parameters
+keep 0.6 to 0.9 of their velocity at PyBullet's 1/240 s, 0 to 0.7 at 1 ms, and nothing at 0.5 ms. Four of PyBullet's parameters
 are options. With `contactProcessingThreshold=0` contacts act only when bodies touch, as an author of Bullet advises
 (https://github.com/bulletphysics/bullet3/issues/3094). With `contactERP=0` the correction of penetration adds no velocity: with
 both, a ball keeps 0.80. `restitutionVelocityThreshold` is the speed below which bodies do not bounce, 0.2 m/s in PyBullet.
+`globalCFM` makes contacts give way in proportion to their loads, so that contacts of one face share its load evenly.
 """
 
 import weakref
@@ -71,6 +72,7 @@ NOT_NEGATIVE = ((Range(0.0),),)
 OPTIONS = {
     "contactProcessingThreshold": Option("a distance in m of at least 0", numbers=NOT_NEGATIVE, kinds=CONTACT),
     "contactERP": Option("a number from 0 to 1", numbers=((Range(0.0, 1.0),),), kinds=CONTACT),
+    "globalCFM": Option("a number of at least 0", numbers=NOT_NEGATIVE, kinds=CONTACT),
     "restitutionVelocityThreshold": Option("a speed in m/s of at least 0", numbers=NOT_NEGATIVE, kinds=CONTACT),
 }
 

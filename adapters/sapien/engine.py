@@ -32,7 +32,7 @@ from bodycheck.adapters.touching import lying_shape
 from bodycheck.reference.inertia import along_principal_axes
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import grips, touches
+from bodycheck.reference.requirements import free_bodies_touch
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sensors.sensor import Sensor
 from bodycheck.reference.trajectory import Array
@@ -103,7 +103,7 @@ calls = ((physx.PhysxCpuSystem, "step"), (physx.PhysxRigidDynamicComponent, "add
 def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    if touches(scene) and not grips(scene):
+    if free_bodies_touch(scene):
         return touching.prepare(scene, method)
     if isinstance(scene, Mechanism):
         simulation, _ = jointed(scene, method)
@@ -113,7 +113,7 @@ def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
 
 def prepare_sensing(scene: AnyScene, sensors: Sequence[Sensor], method: Method) -> SensingSimulation:
     """Return the simulation of a scene with sensors, as `Sensing.prepare_sensing` does."""
-    if touches(scene) and not grips(scene):
+    if free_bodies_touch(scene):
         bodies = touching.built(scene, method)
         components = [world.body for world in bodies.worlds]
         return SensingSimulation(touching.simulated(scene, bodies), sensing.of_contacts(bodies.system, components, sensors))

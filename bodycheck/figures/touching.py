@@ -16,7 +16,7 @@ from bodycheck.reference.contact.motion import Event, EventKind
 from bodycheck.reference.contact.observables import Rolling, crept, depth, lean, rest, rests, rolling, work
 from bodycheck.reference.contact.touching import Touching, pushes_on, touching
 from bodycheck.reference.mechanisms.mechanism import AnyScene
-from bodycheck.reference.requirements import grips, touches
+from bodycheck.reference.requirements import free_bodies_touch
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -162,7 +162,7 @@ def energy_gain(compared: Comparison) -> Array | None:
     potential energy for a centre of mass in the plane, or without potential energy if there is no plane. There is no such
     figure for fingers, whose efforts do work.
     """
-    if isinstance(compared.scene, Scenes) or not touches(compared.scene) or grips(compared.scene):
+    if isinstance(compared.scene, Scenes) or not free_bodies_touch(compared.scene):
         return None
     start = energy_from_plane(compared.scene, compared.trajectory.part(slice(0, 1)))
     exact = energy_from_plane(compared.scene, compared.truth.trajectory)

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Engine, Method
+from bodycheck.adapters.offers import not_modelled
 from bodycheck.casefile.content import Case
 from bodycheck.console.progress import progress
 from bodycheck.figures.columns import FIGURES
@@ -56,6 +57,8 @@ class Bench:
     ----------
     results
         The runs at the defaults of engines, with their truths.
+    engines
+        The records of the engines by name.
     log
         The journal.
     workers
@@ -69,6 +72,7 @@ class Bench:
     """
 
     results: Results
+    engines: Mapping[str, Engine]
     log: Journal
     workers: Workers
     quiet: bool
@@ -89,7 +93,8 @@ class Bench:
     def measure(self, tasks: Sequence[Task]) -> None:
         """Make the runs that have not been made yet."""
         left = [task for task in dict.fromkeys(tasks) if task.key not in self.runs]
-        self.compute_truths(left)
+        lacking = (not_modelled(self.engines[task.engine], task.case.scene, task.method) for task in left)
+        self.compute_truths(task for task, reason in zip(left, lacking, strict=True) if reason is None)
         with progress("trying settings", len(left), self.quiet) as advance:
             for task, answer in self.workers.map(left):
                 assert isinstance(task, Task)

@@ -37,7 +37,7 @@ FLOOR = 1e-5
 BETTER = 0.95
 
 #: A method whose score in the scenes so far is above this is not measured in the other ones.
-HOPELESS = 2.0
+HOPELESS = 1.25
 
 #: The errors (m) of a method, by scene; scenes that it does not complete are left out.
 Errors = Mapping[str, float]

@@ -12,19 +12,18 @@ from bodycheck.adapters.touching import laws
 from bodycheck.casefile.case import load, shipped
 from bodycheck.casefile.content import Case
 from bodycheck.figures.columns import FIGURES
-from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact.motion import Event, EventKind
 from bodycheck.reference.truths import Truth
 
 #: The tag of the shipped cases that are on the sheet.
 TAG = "contact"
 
-#: The longest duration (s) of the shipped cases that are on the sheet unless cases are named. What `block-rests-on-ramp`
-#: shows in a minute, the probe of creep measures in two seconds.
-LONGEST_S = 10.0
-
-#: The most bodies in them. Other stacks show what `stack-of-ten` shows, at a tenth of its cost.
-MOST_BODIES = 9
+#: Shipped cases that are on the sheet only if they are named. What `block-rests-on-ramp` shows in a minute, the probe of creep
+#: measures in two seconds. `stack-mass-ratio` and `rolling-coin-circle` show what the next two show, at a fraction of their
+#: cost. The others repeat scenes of the sheet with sensors.
+ONLY_NAMED = frozenset(
+    {"block-rests-on-ramp", "stack-of-ten", "rolling-coin-wobble", "sensor-block-on-ramp", "sensor-rolling-ball"}
+)
 
 #: The groups of scenes that have settings of their own: a body slides flat on a level plane; bodies touch, and their laws have
 #: no restitution; bodies bounce.
@@ -33,7 +32,7 @@ Group = Literal["plane", "contact", "impact"]
 #: The scenes in which settings are searched for, by their group: short ones, one of each motion that engines have in common. If
 #: none of them is selected, the `MOST_SEARCHED` shortest ones are taken.
 SEARCHED: Mapping[Group, tuple[str, ...]] = {
-    "plane": ("sliding-brick", "resting-brick", "spinning-brick-corners"),
+    "plane": ("sliding-brick", "spinning-brick-corners"),
     "contact": ("rolling-ball", "block-up-a-ramp", "stack-mass-ratio", "falling-rod", "ball-rolls-to-rest"),
     "impact": ("thrown-ball-with-spin", "ball-hits-ball-on-plane", "dropped-ball"),
 }
@@ -45,9 +44,7 @@ Known = tuple[float, float]
 
 def scenes() -> tuple[str, ...]:
     """Return the names of the shipped cases that are on the sheet unless cases are named."""
-    tagged = {name: case for name in shipped() if TAG in (case := load(name)).tags}
-    short = {name: case for name, case in tagged.items() if case.duration <= LONGEST_S}
-    return tuple(name for name, case in short.items() if len(bodies(case.scene)) <= MOST_BODIES)
+    return tuple(name for name in shipped() if name not in ONLY_NAMED and TAG in load(name).tags)
 
 
 def group_of(case: Case) -> Group:

@@ -131,7 +131,7 @@ def evaluated(
     cases = tuple(results.cases.values())
     work = (cases, sorted(engines), named, tuple(BY_NAME))
     with resumption.opened(results.folder / RECORDS, results.header, *work, lost=is_lost, what="search") as log:
-        bench = Bench(results, log, _workers(jobs), quiet)
+        bench = Bench(results, engines, log, _workers(jobs), quiet)
         bench.recall()
         for verdict in verdicts:
             bench.runs[_key(verdict)] = _measured(verdict)

@@ -28,6 +28,17 @@ def test_a_body_on_point_fingers_falls_with_gravity_less_twice_the_friction() ->
     assert (before - after) / 0.05 == pytest.approx(GRAVITY - 2 * 0.4 * 8.0, rel=1e-3)
 
 
+def test_a_body_between_faces_turns_unless_contacts_share_the_load() -> None:
+    scene = pressed(load("gripped-block-falls").scene, 8.0)
+    turned, upright = (
+        measured.states(PYBULLET, scene, method, 1e-3, [300])[-1, 0] for method in ("multibody", "multibody:globalCFM=0.001")
+    )
+    # Its vector part is the sine of half the angle; a fall by Euler's method is g h t/2 too far.
+    assert np.linalg.norm(turned[4:7]) > 0.1
+    assert np.linalg.norm(upright[4:7]) < 0.01
+    assert upright[2] == pytest.approx(-(GRAVITY - 8) * 0.3 * 0.301 / 2, abs=1e-4)
+
+
 def test_torsional_friction_holds_a_block_beside_its_centre() -> None:
     run = simulate(load("gripped-block-turns"), "pybullet", "multibody", 1e-3)
     assert run.outcome.status == "ok"
