@@ -123,7 +123,7 @@ def page(
             header=header,
             notices=notices,
             specifications=deflated(json_text(specifications)),
-            style=verbatim(colours() + (templates / "report.css").read_text("utf-8"), "style"),
+            style=verbatim(shared_style() + (templates / "report.css").read_text("utf-8"), "style"),
             licence=verbatim(licence, "script"),
             library=library,
             index=index,
@@ -178,9 +178,10 @@ def _environment() -> jinja2.Environment:
     return pages
 
 
-def colours() -> str:
-    """Return the style with the colours of all pages, for light and dark screens."""
-    return (resources.files("bodycheck.reports") / "templates" / "colours.css").read_text("utf-8")
+def shared_style() -> str:
+    """Return the style of all pages: colours for light and dark screens, text and tables."""
+    templates = resources.files("bodycheck.reports") / "templates"
+    return "".join((templates / name).read_text("utf-8") for name in ("colours.css", "common.css"))
 
 
 def _unbroken(text: str) -> Markup:
