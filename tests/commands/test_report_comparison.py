@@ -102,6 +102,8 @@ def test_two_releases_of_an_engine_are_compared_with_each_other(copy: Callable[.
         return record | {"engine": "mujoco@3.2.0"} if record["record"] == "run" and record["engine"] == "mujoco" else record
 
     before, after = copy("before", earlier), copy("after")
+    for file in before.glob("trajectories/*/mujoco-*"):
+        file.rename(file.with_name(file.name.replace("mujoco-", "mujoco%403.2.0-")))
     move(after, 0.25)
     _, document = compared(before, after)
     runs = sum(run["set"] == "after" for run in document["runs"])
