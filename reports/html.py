@@ -123,7 +123,7 @@ def page(
             header=header,
             notices=notices,
             specifications=deflated(json_text(specifications)),
-            style=verbatim(colours() + (templates / "report.css").read_text("utf-8"), "style"),
+            style=verbatim(shared_style() + (templates / "report.css").read_text("utf-8"), "style"),
             licence=verbatim(licence, "script"),
             library=library,
             index=index,
@@ -171,19 +171,20 @@ def deflated(text: str) -> str:
 @cache
 def _environment() -> jinja2.Environment:
     pages = environment("bodycheck.reports")
-    pages.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
+    pages.filters |= {"milliseconds": milliseconds, "unbroken": unbroken, "dashes": _dashes, "breakable": _breakable}
     pages.filters["pieces"] = pieces
     pages.tests["sorted_apart"] = _is_sorted_apart
     pages.globals |= {"zooming": charts.ZOOMING, "most_open": MOST_OPEN, "few_notices": FEW_NOTICES}
     return pages
 
 
-def colours() -> str:
-    """Return the style with the colours of all pages, for light and dark screens."""
-    return (resources.files("bodycheck.reports") / "templates" / "colours.css").read_text("utf-8")
+def shared_style() -> str:
+    """Return the style of all pages: colours for light and dark screens, text and tables."""
+    templates = resources.files("bodycheck.reports") / "templates"
+    return "".join((templates / name).read_text("utf-8") for name in ("colours.css", "common.css"))
 
 
-def _unbroken(text: str) -> Markup:
+def unbroken(text: str) -> Markup:
     """Return a text with markup that keeps numbers and their units on one line; 2.1e-9 rad could break after its sign."""
     return Markup(MEASURE.sub(r'<span class="keep">\g<0></span>', str(escape(text))))
 

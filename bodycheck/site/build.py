@@ -6,7 +6,7 @@ from pathlib import Path
 
 from bodycheck.errors import BadInput
 from bodycheck.files import reading, writing
-from bodycheck.reports.html import colours
+from bodycheck.reports.html import shared_style
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.pages import badges, compare, contact, data, engines, feed, index, releases, robots, scenes
 from bodycheck.site.render import File, asset
@@ -26,7 +26,7 @@ PAGES = (index, scenes, contact, robots, compare, data, engines, releases, feed,
 
 def files(catalogue: Catalogue) -> Iterator[File]:
     """Yield the files of the site."""
-    yield File("assets/colours.css", colours().encode())
+    yield File("assets/shared.css", shared_style().encode())
     for name in ASSETS:
         yield asset(name)
     for module in PAGES:

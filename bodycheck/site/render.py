@@ -9,7 +9,7 @@ from typing import Any
 
 import jinja2
 
-from bodycheck.reports.html import environment, json_text
+from bodycheck.reports.html import environment, json_text, unbroken
 from bodycheck.reports.quantities import QUANTITIES, bound, milliseconds, number, within
 from bodycheck.reports.runs.choices import SAME_COST
 from bodycheck.results.verdicts import SCENES
@@ -98,6 +98,7 @@ def script_file(path: str, name: str, value: Mapping[str, Any]) -> File:
 @cache
 def _environment() -> jinja2.Environment:
     pages = environment("bodycheck.site")
+    pages.filters["unbroken"] = unbroken
     pages.globals |= {"links": links, "words": SCENES, "titles": TITLES}
     pages.globals |= {"same_cost": SAME_COST, "most_columns": MOST_COLUMNS}
     pages.globals |= {"number": number, "bound": bound, "within": within, "milliseconds": milliseconds}

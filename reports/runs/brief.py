@@ -8,7 +8,7 @@ import numpy as np
 from bodycheck.judging import advice
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.lines import assign
+from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import count
 from bodycheck.reports.runs import comparison
 from bodycheck.reports.runs.choices import (
@@ -50,8 +50,9 @@ class Brief:
         of the engines cost in accuracy.
     choices
         The methods of each kind of scene with the chosen one; empty in a comparison.
-    default
-        The worst default method of all engines; None if no default was run, and in a comparison.
+    foremost
+        The cases and methods whose motions a reader should see first, in this order: what changed, or the worst default
+        method of all engines, a better one there, and the methods that were chosen.
     extremes
         The methods with the smallest and the largest error of each case; empty in a comparison.
     findings
@@ -67,7 +68,7 @@ class Brief:
     steps: tuple[str, ...]
     answers: tuple[Finding, ...]
     choices: tuple[Choice, ...]
-    default: Default | None
+    foremost: tuple[tuple[str, Line], ...]
     extremes: Mapping[str, tuple[Extreme, ...]]
     findings: tuple[Finding, ...]
 
@@ -108,7 +109,9 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
             *attended,
         ),
         choices=chosen,
-        default=worst[0] if worst else None,
+        foremost=tuple((case, lines[method]) for case, method in differences.foremost)
+        if differences
+        else _foremost(worst, chosen),
         extremes=extremes(runs),
         findings=findings(
             measured(verdicts, lines),
@@ -118,3 +121,8 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
             NO_CLASSES if differences else first.classes,
         ),
     )
+
+
+def _foremost(worst: Sequence[Default], chosen: Sequence[Choice]) -> tuple[tuple[str, Line], ...]:
+    runs = [run for default in worst[:1] for run in (default.worst, default.better)]
+    return tuple((run.case, run.line) for run in (*runs, *(choice.chosen.worst for choice in chosen)))

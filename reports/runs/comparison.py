@@ -10,6 +10,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
 from bodycheck.results.header import Header
+from bodycheck.results.key import RunKey
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +50,12 @@ class Shown:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The differences between sets: a headline, notices and findings."""
+    """The differences between sets: a headline, notices, findings, and the case and both methods of the largest change."""
 
     headline: str
     notices: tuple[str, ...]
     findings: tuple[Finding, ...]
+    foremost: tuple[tuple[str, RunKey], ...]
 
 
 def shown(sets: Sequence[ResultSet]) -> tuple[Shown, ...]:

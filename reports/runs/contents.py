@@ -146,7 +146,7 @@ class Contents:
     answers, findings
         Sentences for the beginning of the report, and sentences on where discrepancies come from.
     leading
-        The animation at the beginning; None if there is none, and in a comparison.
+        The animation at the beginning; None if there is none.
     trades
         Charts of error over cost: one for each kind of scene, by its name, the kind with the most runs first.
     failures
@@ -223,9 +223,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
         broken=told.broken,
         answers=told.answers,
         findings=told.findings,
-        leading=None
-        if len(sets) > 1
-        else leading({section.name: section.playback for section in sections}, told.default, told.choices),
+        leading=leading({section.name: section.playback for section in sections}, told.foremost),
         trades={one.kind.name: chart for one in told.choices if (chart := error_over_cost(one)) is not None},
         failures=tuple(
             _failure(case, verdict, lines) for case in shown for verdict in case.verdicts if verdict.passed is False

@@ -3,11 +3,14 @@
 The numbers of a run in two sets agree to the last bit, agree within the truths' own errors and rounding, or differ. The
 allowance for rounding is a lower limit: the rounding of all steps without its amplification by the motion, because no run is
 repeated from perturbed initial states.
+
+Two releases of an engine are compared with each other if each set has one release of it, however the command named it:
+`mujoco@3.2.0` and `mujoco`.
 """
 
-from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 from bodycheck.casefile.identity import changed_keys, keys
@@ -19,11 +22,15 @@ from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number, verb
 from bodycheck.reports.runs.comparison import Comparison, Shown
+from bodycheck.reports.runs.kinds import kind_of
 from bodycheck.results.header import Header
 from bodycheck.results.key import RunKey
 
-#: The most runs whose change has its own sentence.
-MOST_CHANGES = 5
+#: The most methods whose changes have a sentence.
+MOST_CHANGES = 3
+
+#: The error that shows discrepancies best is told of before other numbers if it changed by at least this factor.
+NOTABLE = 1.01
 
 #: The number of truths of each set that are kept in memory: the truths of one case at its time steps.
 TRUTHS_KEPT = 8
@@ -34,9 +41,9 @@ MOST_NAMES = 4
 #: The value that replaces zero in ratios of errors.
 NEARLY_ZERO = 1e-300
 
-#: The sentences after the number of changes.
+#: The notice where numbers changed.
 ROUNDING_CAVEAT = (
-    " The comparison allows for the rounding of each step, but not for its growth by the motion, because no run was repeated "
+    "The comparison allows for the rounding of each step, but not for its growth by the motion, because no run was repeated "
     "from nudged initial states. In an unstable motion, rounding alone can cause such a difference. A comparison with a "
     "baseline (bodycheck diff) also allows for this growth."
 )
@@ -54,9 +61,13 @@ class Change:
     case
         The name of the case in the report.
     run
-        The run.
+        The run, with the name by which its engine is compared.
+    methods
+        The methods of the run in both sets, over all cases.
     name
         The column of results that has the number.
+    telling
+        Whether the column is the error that shows discrepancies best in scenes of this kind.
     base, now
         The number in the first set and in the other set.
     least
@@ -65,7 +76,9 @@ class Change:
 
     case: str
     run: RunKey
+    methods: tuple[RunKey, RunKey]
     name: str
+    telling: bool
     base: float
     now: float
     least: float
@@ -84,16 +97,20 @@ class Change:
         return distance_from_ideal(self.name, self.now) > distance_from_ideal(self.name, self.base)
 
     @property
-    def finding(self) -> Finding:
-        """Return the change as a sentence, with enough digits that the two numbers differ."""
+    def rank(self) -> tuple[bool, float]:
+        """A rank that is larger for what a reader should be told first."""
+        return self.telling and self.factor >= NOTABLE, self.factor
+
+    @property
+    def text(self) -> str:
+        """The change as the end of a sentence that names the case, with enough digits that the two numbers differ."""
         quantity = QUANTITIES[self.name]
         for digits in (3, 6, 9, 12, 17):
             base, now = number(self.base, digits), number(self.now, digits)
             if base != now:
                 break
         values = f"from {base} to {now} {quantity.unit}".rstrip()
-        text = f", the {quantity.title.lower()} of {method_text(self.run)} changed {values}."
-        return Finding("Changed", "In ", self.case, text)
+        return f", the {quantity.title.lower()} of {method_text(self.run)} changed {values}."
 
 
 @dataclass(frozen=True)
@@ -109,15 +126,19 @@ class Pair:
         """Return the runs that both sets have, each as the case and the two verdicts; the case is the same in both sets."""
         found = []
         for case in self.cases:
-            here, there = ({v.run.key: v for v in case.verdicts if v.label == one.label} for one in (self.base, self.other))
+            here, there = (
+                {_key(verdict, names): verdict for verdict in case.verdicts if verdict.label == one.label}
+                for one in (self.base, self.other)
+                for names in [_names(one)]
+            )
             found += [(case, here[key], there[key]) for key in here if key in there]
         return found
 
     @cached_property
     def changed(self) -> list[Change]:
-        """Return the changes of runs that the truths' own errors and rounding do not explain, the largest change first."""
+        """Return the changes of runs that the truths' own errors and rounding do not explain, in the order of their ranks."""
         found = [change for case, *pair in self.common if (change := self._change(case, *pair)) is not None]
-        return sorted(found, key=lambda change: -change.factor)
+        return sorted(found, key=lambda change: change.rank, reverse=True)
 
     @cached_property
     def changed_status(self) -> list[tuple[Shown, Verdict, Verdict]]:
@@ -146,12 +167,15 @@ class Pair:
         names = _differing(one, other)
         if not names:
             return None
+        run, telling = _key(other, _names(self.other)), kind_of(case.case.scene).quantity
+        methods = one.key.over_cases, other.key.over_cases
         least = [self._least(truths, case, verdict, names) for truths, verdict in zip(self._truths, (one, other), strict=True)]
         changes = (
-            Change(case.name, one.run.key, name, here[name], there[name], sum(own[name] for own in least)) for name in names
+            Change(case.name, run, methods, name, name == telling, here[name], there[name], sum(own[name] for own in least))
+            for name in names
         )
         beyond = [change for change in changes if abs(change.now - change.base) > change.least]
-        return max(beyond, key=lambda change: (change.factor, change.name), default=None)
+        return max(beyond, key=lambda change: (change.rank, change.name), default=None)
 
     @cached_property
     def _truths(self) -> tuple[Truths, Truths]:
@@ -173,12 +197,26 @@ def compare(sets: Sequence[ResultSet], cases: Sequence[Shown]) -> Comparison:
         headline = f"{differing} of {count(common, 'common run')} {verb(differing, 'differs', 'differ')}"
     else:
         headline = f"No difference in {count(common, 'common run')}"
+    changes = [change for pair in pairs for change in pair.changed]
+    foremost = max(changes, key=lambda change: (change.telling, abs(change.now - change.base)), default=None)
     interrupted = "" if all(one.results.complete for one in sets) else "Interrupted. "
     return Comparison(
         headline=interrupted + headline,
         notices=tuple(text for pair in pairs for text in _notices(pair)),
         findings=tuple(finding for pair in pairs for finding in _findings(pair)),
+        foremost=() if foremost is None else tuple((foremost.case, method) for method in foremost.methods),
     )
+
+
+def _names(one: ResultSet) -> Mapping[str, str]:
+    """Return the name of each engine of a set, without the release if the set has no other release of the engine."""
+    engines = one.results.header["engines"]
+    releases = Counter(engine.partition("@")[0] for engine in engines)
+    return {engine: name if releases[name := engine.partition("@")[0]] == 1 else engine for engine in engines}
+
+
+def _key(verdict: Verdict, names: Mapping[str, str]) -> RunKey:
+    return replace(verdict.run.key, engine=names.get(verdict.run.engine, verdict.run.engine))
 
 
 def method_text(key: RunKey) -> str:
@@ -189,21 +227,37 @@ def method_text(key: RunKey) -> str:
 def _findings(pair: Pair) -> Iterator[Finding]:
     yield Finding("Sets", _versions(pair))
     yield Finding("In common", _agreement(pair))
-    for change in pair.changed[:MOST_CHANGES]:
-        yield change.finding
-    if more := pair.changed[MOST_CHANGES:]:
-        factor = number(more[0].factor, 2)
-        yield Finding("Changed", f"{count(len(more), 'more run')} changed, by a factor of at most {factor}.")
+    by_method: dict[RunKey, list[Change]] = {}
+    for change in pair.changed:
+        by_method.setdefault(replace(change.run, case=""), []).append(change)
+    methods = list(by_method.values())
+    for first, *others in methods[:MOST_CHANGES]:
+        yield Finding("Changed", "In ", first.case, first.text + _elsewhere(others))
+    if rest := methods[MOST_CHANGES:]:
+        factor = number(max(change.factor for changes in rest for change in changes), 2)
+        yield Finding("Changed", f"{count(len(rest), 'more method')} changed, by a factor of at most {factor}.")
+    ended: dict[tuple[str, str, str], list[Verdict]] = {}
     for case, one, other in pair.changed_status:
-        why = f" ({other.outcome.reason})" if other.outcome.reason else ""
-        statuses = f"from {one.outcome.status} to {other.outcome.status}{why}"
-        yield Finding("Status", "In ", case.name, f", the status of {method_text(one.run.key)} changed {statuses}.")
+        ended.setdefault((case.name, one.outcome.status, other.outcome.status), []).append(other)
+    for (name, before, now), verdicts in ended.items():
+        runs = listing([method_text(_key(one, _names(pair.other))) for one in verdicts], MOST_NAMES, "run")
+        why = f" ({verdicts[0].outcome.reason})" if verdicts[0].outcome.reason else ""
+        yield Finding("Status", "In ", name, f", the status of {runs} changed from {before} to {now}{why}.")
     yield from _only_in_one(pair)
+
+
+def _elsewhere(changes: Sequence[Change]) -> str:
+    """Return a sentence on the changes of a method in cases that are not named; empty if there are none."""
+    if not changes:
+        return ""
+    grew = sum(change.grew for change in changes)
+    ways = [f"for the {way} in {amount}" for way, amount in (("better", len(changes) - grew), ("worse", grew)) if amount]
+    return f" It also changed in {count(len(changes), 'more case')}: {listing(ways)}."
 
 
 def _versions(pair: Pair) -> str:
     """Return sentences about the differences in versions and machines between both sets."""
-    one, other = (_leaves(side.results.header) for side in (pair.base, pair.other))
+    one, other = (_leaves(side.results.header, _names(side)) for side in (pair.base, pair.other))
     apart = [
         f"{name} {other.get(name, 'none')} instead of {one.get(name, 'none')}"
         for name in {**one, **other}
@@ -221,33 +275,30 @@ def _agreement(pair: Pair) -> str:
         return f"{here} and {there} have no runs in common."
     explained = len(pair.common) - pair.same - pair.differing - pair.without_figures
     text = (
-        f"{here} and {there} have {count(len(pair.common), 'run')} in common. Of these, {pair.same} "
+        f"Of {count(len(pair.common), 'run')} that {here} and {there} have in common, {pair.same} "
         f"{verb(pair.same, 'agrees', 'agree')} in every number to the last bit, {explained} "
         f"{verb(explained, 'agrees', 'agree')} within the truth's own error and rounding, and {pair.differing} "
-        f"{verb(pair.differing, 'differs', 'differ')}."
+        f"{verb(pair.differing, 'differs', 'differ')}"
     )
+    if pair.changed:
+        grew = sum(change.grew for change in pair.changed)
+        text += f": {grew} for the worse and {len(pair.changed) - grew} for the better"
+        text += f", and {len(pair.changed_status)} in the status" if pair.changed_status else ""
+    text += "."
     if pair.without_figures:
         have = verb(pair.without_figures, "has", "have")
         text += f" {pair.without_figures} ended with the same status and {have} no numbers."
-    if pair.changed:
-        grew = sum(change.grew for change in pair.changed)
-        larger, smaller = count(grew, "run"), count(len(pair.changed) - grew, "run")
-        became = f"one number changed most: it became larger in {larger} and smaller in {smaller}"
-        each = f"the number that changed most became {'larger' if grew else 'smaller'}"
-        text += verb(
-            len(pair.changed), f" In the run whose numbers differ, {each}.", f" In each run whose numbers differ, {became}."
-        )
-    return text + (ROUNDING_CAVEAT if pair.changed else "")
+    return text
 
 
 def _only_in_one(pair: Pair) -> Iterator[Finding]:
     """Yield a finding about the runs that only one of the sets has, without cases that differ between the sets."""
-    both = {one.run.key for _, one, _ in pair.common}
+    both = {verdict.key for _, *compared in pair.common for verdict in compared}
     for side in (pair.base, pair.other):
         amounts: dict[str, int] = defaultdict(int)
         for case in pair.cases:
             for verdict in case.verdicts if case.name == case.case.name else ():
-                if verdict.label == side.label and verdict.run.key not in both:
+                if verdict.label == side.label and verdict.key not in both:
                     amounts[f"{verdict.run.engine} {verdict.run.method.name}"] += 1
         if amounts:
             amount = sum(amounts.values())
@@ -258,7 +309,7 @@ def _only_in_one(pair: Pair) -> Iterator[Finding]:
 
 
 def _notices(pair: Pair) -> Iterator[str]:
-    """Yield a notice about each case whose files differ between the sets."""
+    """Yield notices about each case whose files differ between the sets, and about rounding."""
     here, there = pair.base.results.cases, pair.other.results.cases
     sets = f"{pair.base.label} and {pair.other.label}"
     for name in here:
@@ -273,11 +324,14 @@ def _notices(pair: Pair) -> Iterator[str]:
             )
         else:
             yield f"The file of {name} differs between {sets}, but not in anything that affects the physics."
+    if pair.changed:
+        yield ROUNDING_CAVEAT
 
 
-def _leaves(header: Header) -> dict[str, str]:
+def _leaves(header: Header, names: Mapping[str, str]) -> dict[str, str]:
+    engines = {names[engine]: version for engine, version in header["engines"].items()}
     machine = {("processors" if name == "cores" else name): value for name, value in header["machine"].items()}
-    return {"bodycheck": header["bodycheck"], **header["engines"], **header["packages"], **machine}
+    return {"bodycheck": header["bodycheck"], **engines, **header["packages"], **machine}
 
 
 def _figures(verdict: Verdict) -> dict[str, float]:

@@ -86,10 +86,31 @@ def test_changes_are_told_with_their_numbers_the_largest_first(copy: Callable[..
     assert [facts(text, *names)[:4] for text in (largest, smaller)] == [[*names, "10"], [*names, "5"]]
     assert facts(largest)[-1] == "0.25"
     assert rows["after", "Euler", 0.01]["position_error"] != rows["before", "Euler", 0.01]["position_error"]
-    told = facts(document["findings"][1]["text"], *COMPARED, "larger", "smaller", "nudged")
-    assert told[4:8] == ["to the last bit", "1", "rounding", "2"]
-    assert told[told.index("larger") : told.index("nudged") + 1] == ["larger", "2", "smaller", "0", "rounding", "nudged"]
+    told = facts(document["findings"][1]["text"], *COMPARED, "worse", "better")
+    assert told[4:12] == ["to the last bit", "1", "rounding", "2", "2", "worse", "0", "better"]
+    assert any("nudged" in notice for notice in document["notices"])
     assert [found["case"] for found in document["findings"] if found["subject"] == "Changed"] == ["spin", "spin"]
+
+
+def test_two_releases_of_an_engine_are_compared_with_each_other(copy: Callable[..., Path]) -> None:
+    """The command names an engine in an environment of its own with its release: mujoco@3.2.0."""
+
+    def earlier(record: Record) -> Record:
+        if record["record"] == "header":
+            engines = {"mujoco@3.2.0" if name == "mujoco" else name: "3.2.0" for name in record["engines"]}
+            return record | {"engines": engines}
+        return record | {"engine": "mujoco@3.2.0"} if record["record"] == "run" and record["engine"] == "mujoco" else record
+
+    before, after = copy("before", earlier), copy("after")
+    for file in before.glob("trajectories/*/mujoco-*"):
+        file.rename(file.with_name(file.name.replace("mujoco-", "mujoco%403.2.0-")))
+    move(after, 0.25)
+    _, document = compared(before, after)
+    runs = sum(run["set"] == "after" for run in document["runs"])
+    assert document["headline"] == f"1 of {runs} common runs differs"
+    assert finding(document, "In one only") == ""
+    assert "mujoco@" not in finding(document, "Sets") + finding(document, "Changed")
+    assert facts(finding(document, "Changed"), "spin", "mujoco RK4")[:3] == ["spin", "mujoco RK4", "10"]
 
 
 def test_a_run_that_ends_otherwise_or_is_in_one_set_only_is_told_of(copy: Callable[..., Path]) -> None:
@@ -171,7 +192,7 @@ def test_another_case_of_the_same_name_is_not_compared(copy: Callable[..., Path]
     assert ["slide", "before", "after"] in told
     assert finding(document, "Changed") == ""
     slides = sum(run["case"] == "slide" and run["set"] == "before" for run in document["runs"])
-    assert facts(document["findings"][1]["text"], "before", "after")[:3] == ["before", "after", str(slides)]
+    assert facts(document["findings"][1]["text"], "before", "after")[:3] == [str(slides), "before", "after"]
     for number, label in ((1, "before"), (2, "after")):
         assert f"spin@\u2060{number}" in text
         assert f"A sphere that spins and falls ({label})" in text

@@ -10,7 +10,7 @@ from bodycheck.reports.lines import DASHES, FURTHER_HUES, HUES, assign
 from bodycheck.results.key import RunKey
 
 TEMPLATES = resources.files("bodycheck.reports") / "templates"
-STYLE = "".join((TEMPLATES / name).read_text("utf-8") for name in ("colours.css", "report.css"))
+STYLE = "".join((TEMPLATES / name).read_text("utf-8") for name in ("colours.css", "common.css", "report.css"))
 DARK = "@media screen and (prefers-color-scheme: dark) {"
 #: Contrasts that WCAG 2 asks of text (1.4.3, AA) and of graphics (1.4.11).
 READABLE, VISIBLE = 4.5, 3.0

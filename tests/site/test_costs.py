@@ -86,7 +86,7 @@ def test_the_picture_has_a_mark_for_each_method_and_names_each_engine() -> None:
 def test_the_front_page_opens_with_what_to_take_and_what_is_wrong_with_the_default() -> None:
     catalogue = studied()
     page = next(index.pages(catalogue)).content.decode()
-    found = unescape(re.sub(r"<[^>]+>", " ", page.partition('<dl class="findings">')[2].partition("</dl>")[0]))
+    found = unescape(re.sub(r"<[^>]+>", " ", page.partition('<div class="opening')[2].partition("<details")[0]))
     words = " ".join(found.split())
     assert "Of 5 methods of 1 engine in " in words
     assert "mujoco with RK4 at 16 ms is the cheapest that stays within 0.001 rad" in words

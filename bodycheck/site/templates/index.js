@@ -80,6 +80,29 @@
     method = wanted;
   };
 
+  // On a narrow screen, where the engines of a scene stand below its name, the scenes of a kind are folded until the reader opens
+  // the kind or asks for some scenes.
+  const stacked = table.closest(".scroll") ? { matches: false } : matchMedia("(max-width: 72rem)");
+  const opened = new Set();
+  const buttons = bodies.map((body) => {
+    const button = site.element("button", { type: "button", class: "unfold" });
+    button.addEventListener("click", () => {
+      if (!opened.delete(body)) opened.add(body);
+      apply();
+    });
+    body.rows[0].cells[0].append(button);
+    return button;
+  });
+  const foldKinds = (isAsked) =>
+    bodies.forEach((body, place) => {
+      const found = [...body.rows].slice(1).filter((row) => !row.hidden);
+      const isFolded = stacked.matches && !isAsked && !opened.has(body);
+      buttons[place].hidden = !stacked.matches || isAsked;
+      buttons[place].textContent = isFolded ? `Show ${found.length} ${found.length === 1 ? "scene" : "scenes"}` : "Fold";
+      buttons[place].setAttribute("aria-expanded", String(!isFolded));
+      if (isFolded) for (const row of found) row.hidden = true;
+    });
+
   const apply = () => {
     const state = read();
     fill(state);
@@ -107,6 +130,7 @@
         count += 1;
       }
     }
+    foldKinds(asks || words.length > 0 || Boolean(state.kind) || state.engines.size > 0);
     const columns = seen.filter(Boolean).length;
     for (const body of bodies) body.rows[0].cells[0].colSpan = columns + 1;
     document.getElementById("shown").textContent =
@@ -194,6 +218,7 @@
     site.keep(new URLSearchParams());
     apply();
   });
+  stacked.addEventListener?.("change", apply);
   addEventListener("popstate", apply);
   addEventListener("hashchange", apply);
   apply();

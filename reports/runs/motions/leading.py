@@ -1,9 +1,9 @@
-"""The motion at the beginning of a report: the case in which a default method is worst, beside a better method."""
+"""The motion at the beginning of a report: of the case that a reader should see first."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from bodycheck.reports.runs.choices import Choice, Default
+from bodycheck.reports.lines import Line
 from bodycheck.reports.runs.motions.cast import MOST_SHOWN, name_of
 from bodycheck.reports.runs.motions.playback import Playback
 
@@ -27,26 +27,22 @@ class Leading:
     shown: tuple[int, ...]
 
 
-def leading(playbacks: Mapping[str, Playback | None], default: Default | None, choices: Sequence[Choice]) -> Leading | None:
+def leading(playbacks: Mapping[str, Playback | None], foremost: Sequence[tuple[str, Line]]) -> Leading | None:
     """Return the animation for the beginning of a report; None if no case has one.
 
     Parameters
     ----------
     playbacks
         The animations by case, in the order of the report.
-    default
-        The worst default method; None if no default was run.
-    choices
-        The methods that are accurate enough for each kind of scene.
+    foremost
+        The cases and methods that should be seen first.
     """
-    wanted = [] if default is None else [default.worst, default.better]
-    wanted += [choice.chosen.worst for choice in choices]
-    for case in dict.fromkeys([*(one.case for one in wanted), *playbacks]):
+    for case in dict.fromkeys([*(case for case, _ in foremost), *playbacks]):
         played = playbacks.get(case)
         if played is None or played.data is None:
             continue
         labels = [run["label"] for run in played.data["runs"]]
-        names = dict.fromkeys(name_of(one.line) for one in wanted if one.case == case)
+        names = dict.fromkeys(name_of(line) for wanted, line in foremost if wanted == case)
         shown = [labels.index(name) for name in names if name in labels] or list(played.data["shown"])
         if shown:
             return Leading(case, played.alt, tuple(shown[:MOST_SHOWN]))

@@ -19,10 +19,10 @@ const traceOf = (end, errorsOf, least, moveTo) => {
     const errors = Array.from({ length: STEPS + 1 }, (_, k) => errorsOf((end * k) / STEPS));
     const largestAngle = Math.max(0, ...errors.flat().map(({ angle }) => angle));
     const [kind, unit] = largestAngle > least ? ["angle", "rad"] : ["shift", "m"];
-    const largest = Math.max(...errors.flat().map((error) => error[kind]), Number.MIN_VALUE);
-    const heights = shown.map((_, k) => errors.map((error) => STRIP - 3 - (STRIP - 6) * (error[k][kind] / largest)));
+    const largest = Math.max(0, ...errors.flat().map((error) => error[kind]));
+    const heights = shown.map((_, k) => errors.map((error) => STRIP - 3 - (STRIP - 6) * (largest && error[k][kind] / largest)));
     curves.replaceChildren(...shown.map(({ colour }, k) => svg("path", { stroke: colour, d: `M${heights[k].map((y, x) => `${x} ${y.toFixed(1)}`).join("L")}` })));
-    words.textContent = `Error over time, at most ${number(largest, 2)} ${unit}`;
+    words.textContent = largest ? `Error over time, at most ${number(largest, 2)} ${unit}` : "The errors are too small to be drawn over time.";
   };
   const at = (now) => assign(line, { d: `M${((STEPS * now) / end).toFixed(2)} 0V${STRIP}` });
   return { element: html("div", { class: "strip" }, words, picture), choose, at };
