@@ -12,6 +12,7 @@ import yaml
 
 from bodycheck.adapters import registry
 from bodycheck.site.submissions import archive, packing
+from distribution import steps
 from tests.site import submissions as made
 from tests.support import ROOT
 
@@ -77,6 +78,16 @@ def test_what_a_job_runs_exists(name: str, job: str) -> None:
     assert set(re.findall(r"^make (\S+)", scripts(name, job), re.MULTILINE)) <= targets
     for path in re.findall(r"\bpython (\S+\.py)", scripts(name, job)):
         assert (ROOT / path).is_file()
+
+
+def test_the_steps_that_can_be_run_here_need_nothing_of_the_service() -> None:
+    """`python -m distribution.steps JOB` runs them; it leaves out what calls an action or writes to the repository."""
+    listed = steps.jobs(ROOT)
+    assert set(listed) == {*(f"{name}.{job}" for name, job in JOBS), "action"}
+    for step in (step for job in listed.values() for step in job if step.left_out is None):
+        assert step.script
+        assert "${{" not in f"{step.script} {step.variables}"
+        assert not re.search(r"\bgh |git push", step.script)
 
 
 def test_what_may_write_runs_no_engine_and_what_publishes_runs_nothing() -> None:
