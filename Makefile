@@ -15,7 +15,7 @@ LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py test
 TELLING := intermediate-axis-flip free-brick projectile sliding-brick double-pendulum hinge-friction heavy-top slider-crank \
 	block-slides-on-ramp rolling-ball
 
-.PHONY: compile run run-all test lint types tests coverage lowest slow engines claims benchmarks docs linkcheck site sites screenshots release clean
+.PHONY: compile run run-all test lint types types-elsewhere tests coverage lowest slow engines claims benchmarks docs linkcheck site sites screenshots release clean
 
 # Where Python writes no bytecode, every process would parse all modules again. Unchanged modules are not compiled again.
 compile: $(VENV)/.installed
@@ -38,6 +38,10 @@ lint: $(VENV)/.installed-for-development
 
 types: $(VENV)/.installed-for-development
 	$(BIN)/mypy
+
+# The types as they are on other systems, each of which takes as long as `make types`: what Linux alone has must be guarded.
+types-elsewhere: $(VENV)/.installed-for-development
+	for system in win32 darwin; do $(BIN)/mypy --platform $$system --cache-dir .mypy_cache/$$system || exit 1; done
 
 # All tests of a file in one process: what they share is made once.
 tests: $(VENV)/.installed-for-development compile

@@ -3,17 +3,19 @@
     python benchmarks/speed.py
 
 Each cost is processor time, children included, and the least of several turns, so that other processes disturb little. A line
-has the day, the versions of packages, the machine and the costs (s). Lines are compared as ratios, and only between equal
-machines and versions of Python: nothing fails because a machine is slow. `docs/development/speed.md` shows all lines.
+has the day, the versions of packages and of the system, the machine and the costs (s). Lines are compared as ratios, and only
+between equal processors, numbers of cores and versions of Python: nothing fails because a machine is slow. The page
+`docs/development/speed.md` shows all lines.
 """
 
 import json
-import os
+import resource
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from subprocess import DEVNULL, run
 from typing import Any
@@ -49,10 +51,11 @@ MEANINGS = {
 
 
 def main() -> None:
-    line = {
+    machine = versions.fingerprint()
+    line: dict[str, Any] = {
         "day": datetime.now(UTC).date().isoformat(),
-        "versions": versions.here(),
-        "machine": versions.fingerprint(),
+        "versions": versions.here() | {"mujoco": version("mujoco"), "system": machine.pop("system")},
+        "machine": machine,
         "seconds": {name: float(f"{cost:.3g}") for name, cost in measured()},
     }
     before = last_of(lines(FILE), line["machine"])
@@ -89,11 +92,16 @@ def least(call: Callable[[], object]) -> float:
     """Return the least processor time (s) of a call, children included."""
     costs = []
     for _ in range(TURNS):
-        before = os.times()
+        before = _spent()
         call()
-        after = os.times()
-        costs.append(sum(after[:4]) - sum(before[:4]))
+        costs.append(_spent() - before)
     return min(costs)
+
+
+def _spent() -> float:
+    """Return the processor time (s) of this process and of its children that have ended, to a microsecond."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
 
 
 def lines(file: Path) -> list[dict[str, Any]]:

@@ -34,7 +34,7 @@ def tried(python: Path, wheels: Sequence[Path], folder: Path, checkout: Path | N
     python
         The interpreter.
     wheels
-        Those of bodycheck and pytest-bodycheck.
+        Those of bodycheck and pytest-bodycheck; without the second, pytest is installed beside bodycheck.
     folder
         An empty folder for the environment and the files of the commands.
     checkout
@@ -52,6 +52,8 @@ def tried(python: Path, wheels: Sequence[Path], folder: Path, checkout: Path | N
     scripts = environment / ("Scripts" if sys.platform == "win32" else "bin")
     constraints = [] if checkout is None else ["--constraint", str(checkout / "constraints.txt")]
     wanted = [str(wheel.resolve()) for wheel in wheels]
+    if not any(wheel.name.startswith("pytest_bodycheck") for wheel in wheels):
+        wanted.append("pytest")
     _call([str(scripts / "python"), "-m", "pip", "install", "--quiet", *constraints, *wanted], folder)
     size = sum(path.stat().st_size for path in environment.rglob("*") if path.is_file() and not path.is_symlink())
     version = _commands(scripts, work)

@@ -12,6 +12,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
 from bodycheck.casefile import formats, values
+from bodycheck.casefile.case import shipped, shipped_file
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.casefile.robot_notes import Ignored
 from bodycheck.errors import BadInput
@@ -64,6 +65,12 @@ def new_of_robot(name: str | None, folder: Path, model: Path, body: str | None) 
     """
     from bodycheck.casefile import body_template as robots
 
+    if model.name.endswith(SUFFIX) or (str(model) in shipped() and not model.exists()):
+        file = model if model.name.endswith(SUFFIX) else shipped_file(str(model))
+        raise BadInput(
+            f"--from {model}: is a case; allowed: the file of a robot model, URDF or MJCF. To begin with this case, copy its "
+            f"file, {file}, and change its name"
+        )
     link = robots.read(model, body)
     text = robots.text(template(), link, model)
     return _written(robots.case_name(link) if name is None else name, folder, text), link.left_out

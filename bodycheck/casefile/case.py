@@ -96,6 +96,11 @@ def shipped() -> tuple[str, ...]:
     return tuple(sorted(_shipped_files()))
 
 
+def shipped_file(name: str) -> FilePath:
+    """Return the file of the case of this name that comes with the package."""
+    return FilePath(str(_shipped_files()[name]))
+
+
 def is_shipped(case: str | FilePath) -> bool:
     """Return whether this is the name of a shipped case, or the path of its file."""
     path = FilePath(case)

@@ -161,7 +161,14 @@ def made(environment: Environment) -> datetime:
 def size(environment: Environment) -> int:
     """Return the disk space in bytes of an environment, including the files that it shares with uv's cache."""
     folder = _folder(_release(environment.engine, environment.version))
-    return sum(file.lstat().st_blocks * 512 for file in folder.rglob("*"))
+    return sum(_on_disk(file.lstat()) for file in folder.rglob("*"))
+
+
+def _on_disk(status: os.stat_result) -> int:
+    """Return the bytes that a file takes on the disk; its size on Windows, which does not tell them."""
+    if sys.platform != "win32":
+        return status.st_blocks * 512
+    return status.st_size
 
 
 def remove(engine: str, versions: Sequence[str]) -> tuple[str, ...]:

@@ -42,7 +42,7 @@ def is_closed(folder: Path) -> bool:
 
 def _is_ours(folder: Path) -> bool:
     status = folder.lstat()
-    if status.st_uid not in (0, os.getuid()):
+    if sys.platform == "win32" or status.st_uid not in (0, os.getuid()):
         return False
     if stat.S_ISLNK(status.st_mode) or status.st_mode & stat.S_ISVTX:
         return True
@@ -52,8 +52,11 @@ def _is_ours(folder: Path) -> bool:
 
 def _is_own_group(number: int) -> bool:
     """Return whether a group is this user's private group, which many systems make for each user as its only member."""
-    try:
-        group, user = grp.getgrgid(number), pwd.getpwuid(os.getuid())
-    except KeyError:
+    if sys.platform == "win32":
         return False
-    return group.gr_gid == user.pw_gid and group.gr_name == user.pw_name and not set(group.gr_mem) - {user.pw_name}
+    else:
+        try:
+            group, user = grp.getgrgid(number), pwd.getpwuid(os.getuid())
+        except KeyError:
+            return False
+        return group.gr_gid == user.pw_gid and group.gr_name == user.pw_name and not set(group.gr_mem) - {user.pw_name}

@@ -76,7 +76,7 @@ def _before_exec(memory: int | None) -> Callable[[], None] | None:
         libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent:  # the parent ended before the request took effect
             os._exit(1)
-        if memory is not None:
+        if sys.platform != "win32" and memory is not None:
             _, hard = resource.getrlimit(resource.RLIMIT_DATA)
             resource.setrlimit(resource.RLIMIT_DATA, (memory, hard))
 

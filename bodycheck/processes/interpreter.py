@@ -115,7 +115,7 @@ def _shared(theirs: socket.socket, process: int) -> int | str:
 def inherited(descriptor: int | str) -> socket.socket:
     """Return the socket that this process inherited from the process that started it."""
     if sys.platform == "win32":
-        return socket.fromshare(base64.b64decode(descriptor))
+        return socket.fromshare(base64.b64decode(str(descriptor)))
     return socket.socket(fileno=int(descriptor))
 
 

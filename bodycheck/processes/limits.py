@@ -39,16 +39,16 @@ def limited_memory() -> Iterator[None]:
     writable memory (RLIMIT_DATA), whether it is used or not, but not reserved addresses, mapped files, shared memory, or GPU
     memory.
     """
-    if _allowance_bytes is None:
+    if sys.platform == "win32" or _allowance_bytes is None:
         yield
-        return
-    before = soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    others = [limit for limit in before if limit != resource.RLIM_INFINITY]
-    resource.setrlimit(resource.RLIMIT_DATA, (min([_memory_in_use() + _allowance_bytes, *others]), hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+    else:
+        before = soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
+        others = [limit for limit in before if limit != resource.RLIM_INFINITY]
+        resource.setrlimit(resource.RLIMIT_DATA, (min([_memory_in_use() + _allowance_bytes, *others]), hard))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
 
 
 def keeps_much() -> bool:
@@ -87,6 +87,8 @@ def kill_group(leader: int) -> None:
 
 
 def _memory_in_use() -> int:
-    """Return the private writable memory of this process in bytes."""
-    pages = Path("/proc/self/statm").read_text("ascii").split()[5]
-    return int(pages) * os.sysconf("SC_PAGE_SIZE")
+    """Return the private writable memory of this process in bytes. Raises `OSError` where there is no /proc."""
+    if sys.platform != "win32":
+        pages = Path("/proc/self/statm").read_text("ascii").split()[5]
+        return int(pages) * resource.getpagesize()
+    raise OSError("Windows has no /proc")

@@ -8,6 +8,7 @@ import functools
 import math
 import os
 import stat
+import sys
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -80,7 +81,7 @@ def _is_made_private(folder: Path) -> bool:
 def is_private(path: Path) -> bool:
     """Return whether a file or folder belongs to this user and no other user may write to it."""
     status = path.stat()
-    return status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return sys.platform != "win32" and status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
 @functools.cache

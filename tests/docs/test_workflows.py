@@ -2,9 +2,9 @@
 
 import re
 import shutil
-import subprocess
-import sys
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
@@ -12,6 +12,7 @@ import yaml
 
 from bodycheck.adapters import registry
 from bodycheck.site.submissions import archive, packing
+from distribution import steps
 from tests.site import submissions as made
 from tests.support import ROOT
 
@@ -79,6 +80,16 @@ def test_what_a_job_runs_exists(name: str, job: str) -> None:
         assert (ROOT / path).is_file()
 
 
+def test_the_steps_that_can_be_run_here_need_nothing_of_the_service() -> None:
+    """`python -m distribution.steps JOB` runs them; it leaves out what calls an action or writes to the repository."""
+    listed = steps.jobs(ROOT)
+    assert set(listed) == {*(f"{name}.{job}" for name, job in JOBS), "action"}
+    for step in (step for job in listed.values() for step in job if step.left_out is None):
+        assert step.script
+        assert "${{" not in f"{step.script} {step.variables}"
+        assert not re.search(r"\bgh |git push", step.script)
+
+
 def test_what_may_write_runs_no_engine_and_what_publishes_runs_nothing() -> None:
     assert not scripts("sites", "publish").strip()
     assert not scripts("release", "publish").strip()
@@ -106,46 +117,50 @@ def folder(tmp_path: Path) -> Path:
     return copy
 
 
-def script(folder: Path, name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-B", str(folder / name), *arguments]
-    return subprocess.run(command, capture_output=True, text=True, env={"PYTHONPATH": str(ROOT), "PATH": ""}, check=False)
+def script(folder: Path, name: str) -> ModuleType:
+    """A script of a folder of submissions. It runs in this process: an interpreter for each call would cost a second."""
+    spec = spec_from_file_location(f"submissions_{name}", folder / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def test_the_check_tells_what_the_site_would_leave_out(folder: Path) -> None:
-    done = script(folder, "check.py")
-    assert (done.returncode, done.stdout) == (0, "submissions: all 1 are shown, 0.0 MB\n")
+def test_the_check_tells_what_the_site_would_leave_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    check = script(folder, "check")
+    assert check.main() == 0
+    assert capsys.readouterr().out == "submissions: all 1 are shown, 0.0 MB\n"
     (folder / "hostile.zip").write_bytes(b"<script>")
     (folder / "page.html").write_text("<script>")
-    done = script(folder, "check.py")
-    assert done.returncode == 1
-    assert done.stdout.splitlines() == [
+    assert check.main() == 1
+    assert capsys.readouterr().out.splitlines() == [
         "submissions/hostile.zip: is no zip file that can be read: File is not a zip file",
         "submissions/page.html: is no submission",
     ]
 
 
 def test_the_table_of_submissions_says_what_is_there(folder: Path) -> None:
-    assert script(folder, "renew.py", "--table").returncode == 0
+    renew = script(folder, "renew")
+    assert renew.main(["--table"]) == 0
     before, text = (path.read_text() for path in (ROOT / "submissions" / "README.md", folder / "README.md"))
     assert (
         "| honest.zip | `bodycheck run` | 2026-01-01 | Some(R) Processor, family 6 model 1 stepping 1, x86_64, 4 cores" in text
     )
     assert text.partition("<!-- table")[0] == before.partition("<!-- table")[0]
-    assert script(folder, "renew.py", "--table").returncode == 0
+    assert renew.main(["--table"]) == 0
     assert (folder / "README.md").read_text() == text
 
 
-def test_the_table_of_this_repository_is_that_of_its_submissions(tmp_path: Path) -> None:
-    copy = tmp_path / "submissions"
-    shutil.copytree(ROOT / "submissions", copy)
-    assert script(copy, "renew.py", "--table").returncode == 0
-    assert (copy / "README.md").read_text() == (ROOT / "submissions" / "README.md").read_text()
-    assert script(copy, "check.py").returncode == (0 if any(copy.glob("*.zip")) else 1)
+def test_the_table_of_this_repository_is_that_of_its_submissions() -> None:
+    """All of them can be read; the workflow of the sites also runs `submissions/check.py`."""
+    text = (ROOT / "submissions" / "README.md").read_text()
+    renew = script(ROOT / "submissions", "renew")
+    assert text.partition(renew.BEGIN)[2].partition(renew.END)[0].splitlines()[1:] == list(renew.table())
 
 
 def test_what_is_renewed_is_of_engines_that_there_are(folder: Path) -> None:
-    done = script(folder, "renew.py", "unknown")
-    assert done.returncode == 1
-    assert "allowed: --newest, --table, mujoco-3.2.0, " in done.stderr
-    named = set(re.findall(r"([a-z_]+)-[0-9.]+", done.stderr.partition("allowed:")[2]))
+    with pytest.raises(SystemExit, match=r"allowed: --newest, --table, mujoco-3\.2\.0, ") as refused:
+        script(folder, "renew").main(["unknown"])
+    named = set(re.findall(r"([a-z_]+)-[0-9.]+", str(refused.value).partition("allowed:")[2]))
     assert named <= set(registry.names())

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from bodycheck.casefile import body_template as robots
-from bodycheck.casefile.authoring import template
-from bodycheck.casefile.case import parse
+from bodycheck.casefile.authoring import new_of_robot, template
+from bodycheck.casefile.case import parse, shipped_file
 from bodycheck.errors import BadInput
 from bodycheck.robots import elements
 from tests.support.commands import bodycheck
@@ -154,6 +154,13 @@ def test_the_case_says_what_it_is_and_what_is_left_out(tmp_path: Path) -> None:
         2,
         "arm.xml: has 2 bodies, of which a case has one; choose one by --body: 'torso', 'hand'\n",
     )
+
+
+def test_a_case_that_is_given_for_a_robot_is_named_with_its_file(tmp_path: Path) -> None:
+    (tmp_path / "own.case.toml").write_text("")
+    for given, file in (("free-brick", shipped_file("free-brick")), ("own.case.toml", "own.case.toml")):
+        with pytest.raises(BadInput, match=f"--from {given}: is a case; .* copy its file, {file}, and change its name"):
+            new_of_robot("mine", tmp_path, Path(given), None)
 
 
 @pytest.mark.parametrize(
