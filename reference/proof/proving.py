@@ -94,9 +94,8 @@ def enclosed(
         enclosure = Enclosure(motion.way, bits, *compared, time.process_time() - busy, events)
         if enclosure.until is None:
             return enclosure
-        if best is not None and best.until is not None and enclosure.until <= best.until:
-            break  # more digits do not help
-        best = enclosure
+        if best is None or best.until is None or enclosure.until > best.until:
+            best = enclosure
     if best is None:
         raise reason
     return best

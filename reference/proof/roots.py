@@ -11,7 +11,7 @@ from bodycheck.reference.proof.enclosure import NotEnclosed
 MOST_STEPS = 200
 
 #: The point at which an interval is split, so that roots at simple fractions are not at borders, and the most splits.
-SPLIT, MOST_SPLITS = arb(0.4921875), 64
+SPLIT, MOST_SPLITS = arb(0.4921875), 128
 
 #: A function of a number, in balls.
 Function = Callable[[Ball], Ball]
