@@ -1,11 +1,12 @@
 """Prove the truths of shipped cases, keep the certificates beside the cases, and print their table.
 
-Run: python docs/proved.py [--limit 400] [--changed] [--table]
+Run: python docs/proved.py [CASE ...] [--limit 400] [--changed] [--table]
 
 The truth of each case is computed at its own instants, and in flight and on one joint at 1001 instants. The word is that of
 `bodycheck truth CASE --certify`. For a proof, the table has the largest distance of a printed attitude from the exact one, the
 radius of the balls before rounding, and the time of the proof; otherwise the reason why there is none. Reports and the site
-read the certificates. The exit status is 1 if a truth is contradicted by its proof; such a case has no certificate.
+read the certificates. The time is that of the processor, without imports and the truth. The exit status is 1 if a truth is
+contradicted by its proof; such a case has no certificate.
 """
 
 import argparse
@@ -82,13 +83,15 @@ def keep(known: Mapping[str, Certified]) -> None:
 def main() -> int:
     """Prove the cases, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("case", nargs="*", help="names of shipped cases; by default all of them")
     parser.add_argument("--limit", type=float, default=60.0, help="time limit of each proof (s)")
     parser.add_argument("--changed", action="store_true", help="prove the cases that are new or have another content")
     parser.add_argument("--table", action="store_true", help="prove nothing, print the table of the certificates")
     options = parser.parse_args()
     known = dict(certificates()) if KEPT.exists() else {}
     contradicted = []
-    for name in () if options.table else shipped():
+    chosen = options.case or shipped()
+    for name in () if options.table else chosen:
         case = load(name)
         if options.changed and name in known and known[name].identity == identity(case):
             continue
@@ -97,7 +100,7 @@ def main() -> int:
             del known[name]
             contradicted.append(f"{name}: {'; '.join(faults)}")
         keep(known)
-    print("\n".join(table(dict(sorted(known.items())))))
+    print("\n".join(table({name: each for name, each in sorted(known.items()) if name in chosen})))
     print("\n".join(contradicted), file=sys.stderr)
     return int(bool(contradicted))
 

@@ -28,9 +28,8 @@ def precision(bits: int) -> Iterator[None]:
 
 
 def ball(value: float | Fraction) -> Ball:
-    """Return a ball that contains a number."""
-    rational = Fraction(value)
-    return arb(fmpq(rational.numerator, rational.denominator))
+    """Return a ball that contains a number, and nothing else if it is a double or an integer."""
+    return arb(fmpq(value.numerator, value.denominator)) if isinstance(value, Fraction) else arb(value)
 
 
 def triple(values: Sequence[float | Fraction]) -> Triple:
@@ -41,6 +40,8 @@ def triple(values: Sequence[float | Fraction]) -> Triple:
 
 def dot(a: Sequence[Ball], b: Sequence[Ball]) -> Ball:
     """Return the inner product of two vectors."""
+    if len(a) == 3 == len(b):  # the most frequent case
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
 
 

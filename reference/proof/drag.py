@@ -98,19 +98,22 @@ def _curved(start: Triple, k: Ball, gravity: Ball) -> Flight:
     u, v, w = start
     level = size_of((u, v))
     first, constant = w / level, 1 / squared(level)
-    begin = _arc(first)
+    begin, part = _arc(first), acb(k / gravity)
+    most = acb(constant) + part * begin
 
     def square(p: Any, analytic: bool = False) -> Any:
         """1/u^2 at a slope."""
-        return acb(constant) - acb(k / gravity) * (_arc(p, analytic) - begin)
+        return most - part * _arc(p, analytic)
 
     def lasting(one: Ball, other: Ball) -> Ball:
         """The time from one slope to another."""
-        return _integral(lambda p, analytic: 1 / square(p, analytic).sqrt(analytic=analytic), one, other).real / gravity
+        return _integral(lambda p, analytic: square(p, analytic).rsqrt(analytic=analytic), one, other).real / gravity
+
+    imaginary = acb(0, 1)
 
     def moved(one: Ball, other: Ball) -> tuple[Ball, Ball]:
         """Way and height from one slope to another: the real and the imaginary part of one integral."""
-        both = _integral(lambda p, analytic: (1 + acb(0, 1) * p) / square(p, analytic), one, other) / gravity
+        both = _integral(lambda p, analytic: (1 + imaginary * p) / square(p, analytic), one, other) / gravity
         return both.real, both.imag
 
     def speed(p: Ball) -> Ball:
@@ -120,14 +123,18 @@ def _curved(start: Triple, k: Ball, gravity: Ball) -> Flight:
         """The rate of the slope (1/s), in doubles."""
         return -float(gravity) * math.sqrt(float(constant) - float(k / gravity) * (_arc_of_double(p) - float(begin.real)))
 
+    latest = (0.0, float(first.mid()))  # a time, and a slope near to that at it
     known = [_Known(first.mid(), lasting(first, first.mid()), *moved(first, first.mid()))]
 
     def at(t: Fraction) -> tuple[Triple, Triple]:
+        nonlocal latest
         time = ball(t)
         near = known[max(bisect_right(known, float(t), key=lambda each: float(each.time.mid())) - 1, 0)]
-
-        guess = arb(_followed(rate, float(near.slope), float(time - near.time)))
+        if not float(near.time) <= latest[0] <= t:
+            latest = (float(near.time), float(near.slope))
+        guess = arb(_followed(rate, latest[1], float(t) - latest[0]))
         p = root_near(lambda q: near.time + lasting(near.slope, q) - time, lambda q: -speed(q) / gravity, guess)
+        latest = float(t), float(p)
         parts = moved(near.slope, p)
         way, height, exact = near.way + parts[0], near.height + parts[1], p.mid()
         if near.time + KEPT < time:

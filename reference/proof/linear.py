@@ -7,6 +7,7 @@ and the interval Newton method encloses the first one.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from flint import arb, arb_mat, arb_poly, ctx
 
@@ -30,7 +31,12 @@ class System:
     rows: Sequence[Row]
     units: Sequence[Ball]
 
-    @property
+    @cached_property
+    def matrix(self) -> arb_mat:
+        """The matrix."""
+        return arb_mat(len(self.rows), len(self.rows), [entry for row in self.rows for entry in row])
+
+    @cached_property
     def norm(self) -> Ball:
         """The largest sum of the sizes of a row, in the units of the components."""
         sums = [
@@ -39,7 +45,7 @@ class System:
         ]
         return max((each.upper() for each in sums), key=float)
 
-    @property
+    @cached_property
     def step(self) -> Ball:
         """The exact length of a step of the search for a root (s); infinite if nothing changes."""
         norm = self.norm
@@ -47,13 +53,12 @@ class System:
 
     def after(self, state: Row, t: Ball) -> list[Ball]:
         """The state after a time (s)."""
-        count = len(self.rows)
-        flow = arb_mat(count, count, [entry * t for row in self.rows for entry in row]).exp()
-        return [sum((flow[i, j] * state[j] for j in range(count)), arb(0)) for i in range(count)]
+        flow = (self.matrix * t).exp() * arb_mat(len(state), 1, list(state))
+        return list(flow.entries())
 
     def derivative(self, row: Row) -> list[Ball]:
         """The row of the derivative of a linear function of the state."""
-        return [sum((row[i] * self.rows[i][j] for i in range(len(row))), arb(0)) for j in range(len(row))]
+        return list((arb_mat(1, len(row), list(row)) * self.matrix).entries())
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from bodycheck.reference.proof.balls import (
     Matrix,
     Triple,
     angle_between,
+    ball,
     distance,
     lower,
     of_doubles,
@@ -94,9 +95,8 @@ def enclosed(
         enclosure = Enclosure(motion.way, bits, *compared, time.process_time() - busy, events)
         if enclosure.until is None:
             return enclosure
-        if best is not None and best.until is not None and enclosure.until <= best.until:
-            break  # more digits do not help
-        best = enclosure
+        if best is None or best.until is None or enclosure.until > best.until:
+            best = enclosure
     if best is None:
         raise reason
     return best
@@ -176,19 +176,20 @@ def _held(mechanism: Mechanism, count: int) -> Motion:
 
 def _flight(scene: Scene) -> States:
     rotation = free_body.rotation(bodies.rotor(scene))
-    begin, speed = ([Fraction(value) for value in values] for values in (scene.initial.position, scene.initial.velocity))
-    gravity = (Fraction(0), Fraction(0), -Fraction(scene.gravity))
+    begin, (u, v, w), gravity = triple(scene.initial.position), triple(scene.initial.velocity), ball(scene.gravity)
 
     def falling(t: Fraction) -> tuple[Triple, Triple]:
-        way = triple([v * t + g * t * t / 2 for v, g in zip(speed, gravity, strict=True)])
-        return way, triple([v + g * t for v, g in zip(speed, gravity, strict=True)])
+        time = ball(t)
+        return (u * time, v * time, w * time - gravity * time * time / 2), (u, v, w - gravity * time)
 
-    flying = drag.flight(tuple(speed), Fraction(scene.drag) / Fraction(scene.body.mass), -gravity[2]) if scene.drag else falling
+    ratio = Fraction(scene.drag) / Fraction(scene.body.mass)
+    speeds = tuple(map(Fraction, scene.initial.velocity))
+    flying = drag.flight(speeds, ratio, Fraction(scene.gravity)) if scene.drag else falling
 
     def at(t: Fraction) -> Shown:
         attitude, rates = rotation(t)
         way, velocity = flying(t)
-        return Shown([], [], [(vector_sum(triple(begin), way), attitude, velocity, rates)])
+        return Shown([], [], [(vector_sum(begin, way), attitude, velocity, rates)])
 
     return at
 

@@ -10,8 +10,11 @@ from bodycheck.reference.proof.enclosure import NotEnclosed
 #: The largest number of steps of Newton's method.
 MOST_STEPS = 200
 
+#: The bits of a root, as a part of all bits, with which a further step encloses it: the step squares the error.
+NEAR = 0.5
+
 #: The point at which an interval is split, so that roots at simple fractions are not at borders, and the most splits.
-SPLIT, MOST_SPLITS = arb(0.4921875), 64
+SPLIT, MOST_SPLITS = arb(0.4921875), 128
 
 #: A function of a number, in balls.
 Function = Callable[[Ball], Ball]
@@ -24,18 +27,17 @@ def root_near(value: Function, slope: Function, guess: Ball) -> Ball:
     """
     point = guess.mid()
     for _ in range(MOST_STEPS):
-        step = (value(point) / slope(point)).mid()
+        left = value(point)
+        step = left / slope(point)
         if not step.is_finite():
-            raise NotEnclosed("a root that is not found")
-        point = (point - step).mid()
-        if abs(step) <= abs(point) * arb(2) ** (8 - ctx.prec) + arb(2) ** (-4 * ctx.prec):
             break
-    spread = (abs(step) + abs((value(point) / slope(point)).upper()) + abs(point) * arb(2) ** (8 - ctx.prec)) * 4
-    around = arb(point, spread.upper())
-    inner = point - value(point) / slope(around)
-    if not around.contains_interior(inner):
-        raise NotEnclosed("a root that is not enclosed")
-    return inner
+        if abs(step.mid()) <= abs(point) * arb(2) ** -round(NEAR * ctx.prec) + arb(2) ** (-4 * ctx.prec):
+            around = arb(point, 4 * (abs(step) + abs(point) * arb(2) ** (8 - ctx.prec)).upper())
+            inner = point - left / slope(around)
+            if around.contains_interior(inner):
+                return inner
+        point = (point - step).mid()
+    raise NotEnclosed("a root that is not enclosed")
 
 
 def first_change(value: Function, slope: Function, end: Ball) -> Ball | None:

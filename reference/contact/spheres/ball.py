@@ -46,7 +46,8 @@ class Ball:
 class Moving:
     """A sphere at a time (s): position (m), velocity (m/s) and angular velocity (rad/s) along the axes of the world.
 
-    `borne` says that it stays on the plane, and `rolls` that it does so without slip.
+    `borne` says that it stays on the plane, and `rolls` that it does so without slip. `doubt` is a bound (m/s) of the errors
+    of the velocity, and of the angular velocity times the radius, from hits that are left out.
     """
 
     time: Real
@@ -55,6 +56,7 @@ class Moving:
     spin: Vector3
     borne: bool = False
     rolls: bool = False
+    doubt: Real = MP.zero
 
 
 def law_of(scene: Mechanism, one: int, other: int) -> Law | None:

@@ -2,6 +2,14 @@
 
 In a phase, each sphere flies, slips on the plane against a constant friction, or rolls. A phase of both ends when one of them
 lands or ceases to slip, or when they hit each other.
+
+Hits of two spheres on a plane may accumulate: each makes the spheres slip, and friction brings them together again. They are
+left out when the speeds of closing and of slip, together s, are too small to change what is printed. Let u be the velocity
+with which a sphere of mass m and ratio k = I/(m r^2) would roll on, which friction does not change, and z = w x n r that of
+its spin at the plane. The sum of m (v - V)^2 / 2 and k m (z - V)^2 / 2 over both spheres grows neither by friction, which
+acts against v - z, nor by a hit without friction, if their constant velocities V do not bring the spheres closer. With V near
+to u it follows that v and z change by at most 2 (1 + q)^2 s for ever, where q^2 is the sum of (1 + k) m, divided by the
+smallest m or k m.
 """
 
 from dataclasses import dataclass, replace
@@ -22,6 +30,10 @@ MAX_EVENTS = 4000
 #: The speed after an impact on the plane, relative to that of a fall by half the radius, below which a sphere no longer
 #: bounces. The bounces that are left out take less time than the rounding of an instant.
 LAST_IMPACT = MP.mpf(10) ** -30
+
+#: The ratio of the speeds of closing and of slip, together, to the speeds at the start below which hits of two spheres on the
+#: plane are left out.
+LAST_HIT = MP.mpf(2) ** -80
 
 #: The ratio of a speed to the speeds at the start below which a sphere is at rest, because of the decimals in the file.
 AT_REST = 1e-12
@@ -116,7 +128,8 @@ def course(pair: Pair, starts: tuple[Moving, Moving], touching: bool, end: Real)
             raise NotModelled("a sphere that hits another one at the instant at which it lands or ceases to slip")
         moving = after(one, min(hit, until)), after(other, min(hit, until))
         if hit < until:
-            moving, touching = _collided(pair, moving, whole.changes), True
+            rolling, touching = _left_out(pair, moving), True
+            moving = rolling or _collided(pair, moving, whole.changes)
             continue
         touching = touching and not any(map(any, parting))
         ended = [
@@ -217,6 +230,21 @@ def _collided(pair: Pair, moving: tuple[Moving, Moving], changes: list[Change]) 
         if each.borne and before.rolls != each.rolls:
             changes.append(Change(_kind(pair, each), index, each))
     return struck[0], struck[1]
+
+
+def _left_out(pair: Pair, moving: tuple[Moving, Moving]) -> tuple[Moving, Moving] | None:
+    """Return two spheres that roll on from a hit if it and all later ones are left out; None if they are not."""
+    one, other = pair.balls
+    if pair.law.friction or one.radius != other.radius or not all(each.borne for each in moving):
+        return None
+    speeds = _closing(moving) + sum(size(slip(ball, each)) for ball, each in zip(pair.balls, moving, strict=True))
+    if not speeds < LAST_HIT * pair.speed:
+        return None
+    ratios = [ball.moment / (ball.mass * ball.radius**2) for ball in pair.balls]
+    whole = sum((1 + k) * ball.mass for k, ball in zip(ratios, pair.balls, strict=True))
+    least = min(min(1, k) * ball.mass for k, ball in zip(ratios, pair.balls, strict=True))
+    doubt = 2 * (1 + MP.sqrt(whole / least)) ** 2 * speeds
+    return replace(moving[0], rolls=True, doubt=doubt), replace(moving[1], rolls=True, doubt=doubt)
 
 
 def _closing(moving: tuple[Moving, Moving]) -> Real:

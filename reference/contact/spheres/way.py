@@ -80,7 +80,7 @@ def motion(scene: Mechanism, times: Array) -> ContactMotion | None:
     pair = Pair(balls, law, MP.mpf(scene.gravity), speed)
     whole = course(pair, starts, bool(apart <= reach), MP.mpf(float(times.max(initial=0.0))))
     turns = [_wide(exact.turn(body.start.attitude)) for body in scene.bodies if body.start is not None]
-    states = [_states(phases, turn, times) for phases, turn in zip(whole.phases, turns, strict=True)]
+    states = [_states(*each, times) for each in zip(balls, whole.phases, turns, strict=True)]
     bounds = np.maximum(*(each.bounds for each in states)).astype(float)
     return ContactMotion(
         np.stack([each.position for each in states]),
@@ -109,7 +109,7 @@ def _start(one: Ball, scene: Mechanism, index: int) -> Moving:
     return Moving(moving.time, moving.position, moving.velocity, moving.spin, borne, borne and not any(slip(one, moving)))
 
 
-def _states(phases: list[Phase], attitude: WideArray, times: Array) -> States:
+def _states(one: Ball, phases: list[Phase], attitude: WideArray, times: Array) -> States:
     """The states of a sphere at times (n,), s, from its phases and its attitude at the start.
 
     At the instant of an event they are those before it.
@@ -133,6 +133,9 @@ def _states(phases: list[Phase], attitude: WideArray, times: Array) -> States:
         turned = (at + 1) * (1 + angles[at] + _angle(phase, t[:, 0]))
         moved, sped, spun = (sum(np.abs(term).sum(axis=-1) for term in terms) for terms in (far, fast, rapid))
         bounds[:, here] = ROUNDINGS * np.array([turned, moved, sped, spun * (1 + turned)])
+        doubt, radius = wide(start.doubt), wide(one.radius)
+        further = t[:, 0] * doubt / radius
+        bounds[:, here] += [further, t[:, 0] * doubt, 0 * further + doubt, (1 + spun * t[:, 0]) * doubt / radius]
     quaternion = normalise(multiply(turn, attitude))
     return States(position, velocity, quaternion, rotate(conjugate(quaternion), spin), bounds)
 

@@ -45,6 +45,9 @@ MOST_EVENTS = 2000
 #: The speed after an impact on the plane, relative to the speed of a fall by the radius, at which a sphere ceases to bounce.
 LAST_BOUNCE = MP.mpf(10) ** -28
 
+#: The speeds of closing and of slip together, relative to those at the start, with which spheres on a plane cease to hit.
+LAST_HIT = MP.mpf(2) ** -80
+
 UP: Vector = (MP.mpf(0), MP.mpf(0), MP.mpf(1))
 
 
@@ -149,7 +152,7 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
         raise NotModelled("spheres that overlap at the start")
     parts: tuple[list[pieces.Piece], list[pieces.Piece]] = [], []
     events: list[Instant] = []
-    _follow(pair, pair_law(scene, (0, 1)), gap <= 0, MP.mpf(float(times.max(initial=0.0))), parts, events)
+    wrong = float(_follow(pair, pair_law(scene, (0, 1)), gap <= 0, MP.mpf(float(times.max(initial=0.0))), parts, events))
     states = [pieces.states(each, times) for each in parts]
     attitudes = [
         np.stack(pieces.multiplied(each.turn.T, exact_quaternion(body.cosines)), axis=1)
@@ -157,8 +160,11 @@ def second(scene: AnyScene, times: Array) -> Witness | None:
     ]
     fastest = [np.sqrt((each.spin * each.spin).sum(axis=1)).astype(float) for each in states]
     errors = {name: np.maximum(*(each.errors[name] for each in states)) for name in STATES}
-    errors["error"] = errors["error"] + pieces.ROUNDINGS
-    unseen = float(ROUNDED * max(norm(one.moving.velocity) / one.round.radius for one in pair))
+    spun = wrong / float(min(one.round.radius for one in pair))
+    errors["error"] = errors["error"] + pieces.ROUNDINGS + spun * times
+    errors["position_error"] = errors["position_error"] + wrong * times
+    errors["velocity_error"] = errors["velocity_error"] + wrong
+    unseen = spun + float(ROUNDED * max(norm(one.moving.velocity) / one.round.radius for one in pair))
     errors["angular_velocity_error"] = errors["angular_velocity_error"] + np.maximum(*fastest) * errors["error"] + unseen
     return Witness(
         NAME,
@@ -212,8 +218,12 @@ def _follow(
     end: Real,
     parts: tuple[list[pieces.Piece], list[pieces.Piece]],
     events: list[Instant],
-) -> None:
-    """Append the pieces of both spheres and their events until `end` (s). law: friction and restitution of the pair."""
+) -> Real:
+    """Append the pieces of both spheres and their events until `end` (s), and return by how much velocities may be wrong (m/s).
+
+    law: friction and restitution of the pair.
+    """
+    wrong, fastest = MP.mpf(0), max(norm(one.moving.velocity) + one.round.radius * norm(one.moving.spin) for one in pair)
     if touching and _closing(pair) > 0:
         pair = _collided(pair, law, events)
     for _ in range(MOST_EVENTS):
@@ -226,13 +236,37 @@ def _follow(
         stays = touching and not any((*_parting(pair), *minus(pair[1].acceleration, pair[0].acceleration)))
         pair = [one.moved(until, part) for one, part in zip(pair, parts, strict=True)]
         if until >= left:
-            return
+            return wrong
         if hit == until:
-            pair, touching = _collided(pair, law, events), True
+            touching, moves = True, _relative(pair)
+            if moves < LAST_HIT * fastest and not law[0] and all(one.borne for one in pair) and not _apart(pair)[2]:
+                pair, wrong = [replace(one, moving=replace(one.moving, held=True)) for one in pair], moves * _change(pair)
+            else:
+                pair = _collided(pair, law, events)
             continue
         pair = [one.landed(events, index) if ends[index] == until else one for index, one in enumerate(pair)]
         touching = stays
     raise OutOfReach(f"two spheres with more than {MOST_EVENTS} events")
+
+
+def _apart(pair: Sequence[One]) -> Vector:
+    return minus(pair[1].moving.position, pair[0].moving.position)
+
+
+def _relative(pair: Sequence[One]) -> Real:
+    """The sum of the speeds (m/s) at which two spheres approach each other and slip on the plane."""
+    return _closing(pair) / norm(_apart(pair)) + sum(norm(slip(one.round, one.moving)) for one in pair)
+
+
+def _change(pair: Sequence[One]) -> Real:
+    """The change of velocities in all hits without friction that follow, at most, relative to `_relative`.
+
+    With constants V and W of a sphere that rolls, (m (v - V)^2 + I (w - W)^2) / 2 does not grow in sum over both. It follows
+    that velocities change by at most 2 (1 + q)^2, q^2 being the sum of m + I/r^2 over the smallest m or I/r^2.
+    """
+    inertias = [(one.mass, one.mass / one.round.lever) for one in pair]
+    q = MP.sqrt(sum(map(sum, inertias)) / min(map(min, inertias)))
+    return 2 * (1 + q) ** 2
 
 
 def _parting(pair: Sequence[One]) -> Vector:
@@ -241,12 +275,12 @@ def _parting(pair: Sequence[One]) -> Vector:
 
 def _closing(pair: Sequence[One]) -> Real:
     """The speed (m/s) at which two spheres approach each other, times their distance (m)."""
-    return -dot(minus(pair[1].moving.position, pair[0].moving.position), _parting(pair))
+    return -dot(_apart(pair), _parting(pair))
 
 
 def _meeting(pair: Sequence[One], touching: bool, until: Real) -> Real:
     """The time (s) until two spheres meet; infinity if they do not until `until` (s). touching: whether they touch now."""
-    apart, parting = minus(pair[1].moving.position, pair[0].moving.position), _parting(pair)
+    apart, parting = _apart(pair), _parting(pair)
     pull = minus(pair[1].acceleration, pair[0].acceleration)
     reach = sum(one.round.radius for one in pair)
     if not any(pull):
@@ -291,7 +325,7 @@ def _collided(pair: Sequence[One], law: tuple[Real, Real], events: list[Instant]
 
     Raises `NotModelled` if the impulse is not along the plane for a sphere that the plane bears.
     """
-    apart = minus(pair[1].moving.position, pair[0].moving.position)
+    apart = _apart(pair)
     normal = scaled(apart, 1 / norm(apart))
     axis = min(range(3), key=lambda k: abs(normal[k]))
     aside = cross(normal, [MP.mpf(k == axis) for k in range(3)])

@@ -4,6 +4,16 @@ Each sphere flies, or moves on the plane, by its own pieces (`rolling`) until th
 a polynomial in the time in which neither begins another piece. With the unit vector n from the first sphere to the second, the
 points of contact have the relative velocity u = v1 - v2 + (r1 w1 + r2 w2) x n. An impulse J across n changes u by J (b1 + b2),
 b = 1/m + r^2/I, so that the slip keeps its direction. Friction ends it if this needs at most mu times the impulse along n.
+
+Hits on the plane may accumulate. Let w be the velocity of the lowest point due to the spin, s = v - w its slip, k = I/(m
+r^2), and u = v - s k/(1 + k), which friction does not change. For constants V_i the sum E of m (v - V)^2 / 2 and k m (w -
+V)^2 / 2 over both spheres has the rate F (v - V) - F (w - V) = F s <= 0 by a friction F of the plane. In a hit without
+friction with the closing speed c, the impulse J = (1 + e) c / (1/m1 + 1/m2) changes it by -J (1 - e) c / 2 - J n (V2 - V1).
+Just before a hit let M = c + |s1| + |s2|, and q^2 the sum of (1 + k) m over the smallest m or k m. If V is u with the mean of
+both components along n, |v - V| and |w - V| are at most 2 M, so that 2 E <= (2 M)^2 (m1 (1 + k1) + m2 (1 + k2)), and they
+stay below 2 M q: as long as they do, the product of x2 - x1, which is along n at first, and V2 - V1 does not become negative
+if |V2 - V1| >= 4 M q. Otherwise the mean of both V serves for both, from which v and w stay within (2 M + 2 M q) q. In either
+case v and w stay within (1 + 4 q + 2 q^2) M of u for ever, and change by at most 2 (1 + q)^2 M.
 """
 
 import math
@@ -33,7 +43,7 @@ from bodycheck.reference.proof.contact.start import Placed, Surroundings, diagon
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.motions import Piece
 from bodycheck.reference.proof.roots import first_change, root_near
-from bodycheck.reference.proof.turning import NO_TURN
+from bodycheck.reference.proof.turning import NO_TURN, constant
 from bodycheck.reference.scene import Plane
 
 #: A function from a time (s) to whether two spheres touch exactly then.
@@ -42,8 +52,15 @@ Meet = Callable[[Fraction], bool]
 #: The time (s) until which a hit is searched if neither sphere begins another piece.
 LONGEST = arb(2) ** 20
 
+#: The time (s) after which a velocity shows the acceleration: short, as rotations are computed until then.
+SOON = arb(2) ** -6
+
 #: The speed after an impact on the plane below which no further impact is an event, over the root of g r.
 LAST_EVENT = arb(10) ** -30
+
+#: The speeds of closing and of slip together, relative to the speeds at the start, below which further hits on the plane are
+#: enclosed together, and are no events.
+LAST_HIT = arb(2) ** -80
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +87,16 @@ class Course:
     piece: Piece
     ahead: Iterator[Piece]
 
-    def states(self, t: Ball) -> tuple[Triple, Matrix, Triple, Triple]:
+    def states(self, t: Ball) -> "State":
         """Position, attitude, velocity and angular velocity along the axes of the world at a time (s)."""
         position, velocity, spin, turn = self.piece.at(t - self.piece.begin)
         return position, product(turn, self.sphere.attitude), velocity, spin
 
 
 Pair = tuple[Course, Course]
+
+#: The state of a sphere: see `Course.states`.
+State = tuple[Triple, Matrix, Triple, Triple]
 
 
 def pieces(
@@ -91,12 +111,17 @@ def pieces(
     scale = sizes[0].max(sizes[1])
     one, other = (_begun(sphere, body, scale) for sphere, body in zip(spheres, bodies, strict=True))
     reach = spheres[0].round.radius + spheres[1].round.radius
-    if not size_of(_minus(bodies[1].position, bodies[0].position)) > reach:
+    apart = _minus(bodies[1].position, bodies[0].position)
+    pair, begin, gap = (one, other), arb(0), dot(apart, apart) - squared(reach)
+    if not gap > 0:
         raise NotEnclosed("spheres that may touch at the start")
-    pair, begin, touch = (one, other), arb(0), False
     while True:
-        begin, pair = yield from _until_hit(pair, begin, reach, meet, touch=touch)
+        begin, pair = yield from _until_hit(pair, begin, gap, meet)
         meet = None
+        together = _together(pair, begin, law, scale)
+        if together is not None:
+            yield Piece(begin, None, together)
+            return
         impulse, events = _impulse(pair, begin, law), [("impact", 0), ("impact", 1)]
         struck = []
         for index in (0, 1):
@@ -105,7 +130,7 @@ def pieces(
             struck.append(each)
             events += [(kind, index)] if kind else []
         yield Piece(begin, begin, lambda _: (), tuple(events), jumps=True)
-        pair, touch = (struck[0], struck[1]), True
+        pair, gap = (struck[0], struck[1]), arb(0)
 
 
 def _sphere(body: Placed, law: Plane | None, around: Surroundings) -> Sphere:
@@ -134,15 +159,17 @@ def _begun(sphere: Sphere, body: Placed, scale: Ball) -> Course:
     return _course(sphere, iter([Piece(arb(0), None, rolling.flying(sphere.round, start), phase="flies")]))
 
 
-def _until_hit(
-    pair: Pair, begin: Ball, reach: Ball, meet: Meet | None, *, touch: bool
-) -> Generator[Piece, None, tuple[Ball, Pair]]:
-    """Yield the pieces until the spheres hit each other, and return the time of this with the pieces then."""
+def _until_hit(pair: Pair, begin: Ball, gap: Ball, meet: Meet | None) -> Generator[Piece, None, tuple[Ball, Pair]]:
+    """Yield the pieces until the spheres hit each other, and return the time of this with the pieces then.
+
+    gap: the square of the distance of the centres beyond that at which they touch (m^2), exactly zero if they do.
+    """
     while True:
         ends = [course.piece.end for course in pair]
         first = _first(ends)
         span = LONGEST if first is None else ends[first] - begin
-        hit = _hit(pair, begin, reach, span, touch=touch)
+        beyond = _beyond(pair, begin, gap)
+        hit = _hit(beyond, span)
         states = _both(pair, begin)
         if hit is not None:
             yield Piece(begin, begin + hit, states, jumps=True, ends_at=meet)
@@ -155,12 +182,7 @@ def _until_hit(
         yield Piece(begin, end, states, tuple((kind, first) for kind, _ in ended.piece.events), ended.piece.jumps)
         following = replace(ended, piece=next(ended.ahead))
         pair = (following, pair[1]) if first == 0 else (pair[0], following)
-        touch, begin = touch and _stays(pair, begin), end
-
-
-def _stays(pair: Pair, begin: Ball) -> bool:
-    """Return whether two spheres that touch do not move relative to each other."""
-    return all(part.is_zero() for each in _motion(pair, begin)[1:] for part in each)
+        gap, begin = beyond(span), end
 
 
 def _first(ends: list[Ball | None]) -> int | None:
@@ -183,8 +205,8 @@ def _motion(pair: Pair, begin: Ball) -> tuple[Triple, Triple, Triple]:
     parts = []
     for course in pair:
         since = begin - course.piece.begin
-        (position, velocity, *_), (_, later, *_) = course.piece.at(since), course.piece.at(since + 1)
-        parts.append((position, velocity, _minus(later, velocity)))
+        (position, velocity, *_), (_, later, *_) = course.piece.at(since), course.piece.at(since + SOON)
+        parts.append((position, velocity, scaled(1 / SOON, _minus(later, velocity))))
     one, other = parts
     return tuple(_minus(b, a) for a, b in zip(one, other, strict=True))  # type: ignore[return-value]
 
@@ -193,13 +215,20 @@ def _minus(a: Triple, b: Triple) -> Triple:
     return vector_sum(a, scaled(arb(-1), b))
 
 
-def _hit(pair: Pair, begin: Ball, reach: Ball, span: Ball, *, touch: bool) -> Ball | None:
+def _beyond(pair: Pair, begin: Ball, gap: Ball) -> arb_poly:
+    """The square of the distance of two spheres beyond that at which they touch, as a function of the time from now on.
+
+    gap: its value now, which balls of the positions contain with an error that does not become small with it.
+    """
+    quadratics = [arb_poly([p, v, a / 2]) for p, v, a in zip(*_motion(pair, begin), strict=True)]
+    polynomial = sum((each * each for each in quadratics), arb_poly([]))
+    return arb_poly([gap, *(polynomial[index] for index in range(1, 5))])
+
+
+def _hit(beyond: arb_poly, span: Ball) -> Ball | None:
     """The time after which two spheres hit each other; None if they do not within a time (s)."""
-    apart, parting, rate = _motion(pair, begin)
-    quadratics = [arb_poly([p, v, a / 2]) for p, v, a in zip(apart, parting, rate, strict=True)]
-    polynomial = sum((each * each for each in quadratics), arb_poly([])) - squared(reach)
-    coefficients = [polynomial[index] for index in range(5)]
-    if touch:  # they have just hit each other, and their distance is exactly that of spheres that touch
+    coefficients = [beyond[index] for index in range(5)]
+    if coefficients[0].is_zero():  # they have just hit each other
         coefficients = coefficients[1:]
     if all(each.is_zero() for each in coefficients):
         return None
@@ -216,6 +245,40 @@ def _hit(pair: Pair, begin: Ball, reach: Ball, span: Ball, *, touch: bool) -> Ba
     if hit > span:
         return None
     raise NotEnclosed("a hit of two spheres at an event of one of them")
+
+
+def _together(pair: Pair, begin: Ball, law: PairContact | Plane, scale: Ball) -> Callable[[Ball], Any] | None:
+    """The states from a hit on, from which all hits are enclosed together; None if this one is not among them."""
+    one, other = (course.sphere for course in pair)
+    bounces = any(not course.sphere.on_plane or course.piece.phase == "flies" for course in pair)
+    if bounces or law.friction or not (one.round.radius - other.round.radius).is_zero():
+        return None
+    states = [course.states(begin) for course in pair]
+    slips = [course.sphere.round.slip(v, spin) for course, (_, _, v, spin) in zip(pair, states, strict=True)]
+    speeds = dot(_minus(states[0][2], states[1][2]), _normal(pair, begin)) + size_of(slips[0]) + size_of(slips[1])
+    if speeds > LAST_HIT * scale:
+        return None
+    if not speeds < LAST_HIT * scale:
+        raise NotEnclosed("hits of two spheres of which it is not decided whether they are events")
+    whole = sum(((1 + each.round.ratio) * each.mass for each in (one, other)), arb(0))
+    least = [arb.min(arb(1), each.round.ratio) * each.mass for each in (one, other)]
+    change = 2 * squared(1 + (whole / arb.min(*least)).sqrt()) * speeds
+    return lambda t: tuple(
+        _nearly_rolling(sphere, state, t, change) for sphere, state in zip((one, other), states, strict=True)
+    )
+
+
+def _nearly_rolling(sphere: Sphere, state: State, t: Ball, change: Ball) -> State:
+    """The state of a sphere after a time (s) in which velocity, and that of the lowest point by the spin, are nearly constant.
+
+    change: a bound of their changes (m/s).
+    """
+    (x, y, z), attitude, (u, v, w), spin = state
+    about, faster = arb(0, change.upper()), change / sphere.round.radius
+    turned = rolling.turned_at_most(constant(spin)(t), faster * t)
+    around = arb(0, faster.upper())
+    position = (x + t * (u + about), y + t * (v + about), z)
+    return position, product(turned.matrix, attitude), (u + about, v + about, w), (spin[0] + around, spin[1] + around, spin[2])
 
 
 def _normal(pair: Pair, t: Ball, index: int = 0) -> Triple:

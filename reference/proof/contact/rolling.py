@@ -273,11 +273,12 @@ def _around(body: Round, moving: Moving, t: Ball, lasting: Ball) -> tuple[Triple
     p, q, r = moving.spin
     faster = about * 1 / (body.ratio * body.radius)
     spin = (p + faster, q + faster, r)
-    turn = after(constant(spin)(t), moving.turn) if smooth else _turned_at_most(moving.turn, size_of(spin) * t)
+    turn = after(constant(spin)(t), moving.turn) if smooth else turned_at_most(moving.turn, size_of(spin) * t)
     return position, velocity, spin, turn
 
 
-def _turned_at_most(turn: Turn, angle: Ball) -> Turn:
+def turned_at_most(turn: Turn, angle: Ball) -> Turn:
+    """Return a rotation after which the body may turn further by at most an angle (rad)."""
     return Turn(turn.parts, arb((turn.radius + angle).upper()))
 
 
@@ -390,4 +391,4 @@ def _at_infinity(body: Round, moving: Moving, hodograph: Hodograph, duration: Ba
     turn = _over_hodograph(body, moving, hodograph)(parameter)
     left = duration - hodograph.time(parameter)
     fastest = size_of(moving.spin) + (2 * size_of(moving.slip) + duration * body.downhill) / (body.radius * (1 + body.ratio))
-    return _turned_at_most(turn, fastest * abs(left))
+    return turned_at_most(turn, fastest * abs(left))
