@@ -51,8 +51,12 @@ from bodycheck.studies.estimate.spellings import UnknownMethod, check
 from bodycheck.studies.timesteps import control_period
 from bodycheck.suggestion import did_you_mean
 
-#: The time (s) for all runs of a file in one engine, and that for its start before them: some engines compile code then.
+#: The processor time (s) for all runs of a file in one engine, and that for its start before them: some engines compile code
+#: then.
 TIME_BUDGET_S, START_S = 30.0, 120.0
+
+#: The most wall time of a call in terms of the processor time that is left for it, before it counts as hanging.
+PATIENCE = 20.0
 
 #: The duration (s) of the runs of a file, and the number of instants at which errors are compared.
 DURATION_S, SAMPLES = 1.0, 101
@@ -132,37 +136,51 @@ def quantities_of(quantity: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 @dataclass(eq=False)
 class _Clock:
-    """The time that is left for the runs of one engine, and the processes that make them."""
+    """The processor time that is left for the runs of one engine, and the processes that make them.
 
-    workers: "pool.Workers[Call, refining.Answer]"
-    end: float
+    The time of this process counts too, since it compares the runs. That of other programs does not, so that the same steps are
+    tried on a machine that is busy.
+    """
+
+    workers: "pool.Workers[Call, refining.Timed]"
+    budget: float
+    end: float = 0.0
     runs: int = 0
-    spent: float = 0.0
+    in_workers: float = 0.0
     per_step: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.end = self.now + self.budget
+
+    @property
+    def now(self) -> float:
+        """The processor time (s) that was used up to now, from an arbitrary start."""
+        return time.process_time() + self.in_workers
 
     def ask(self, call: Call, steps: int, method: Method | None = None) -> refining.Answer:
         """Return the answer to a call. Raises `NoTime` if the time is too short for the run."""
-        left = self.end - time.monotonic()
+        left = self.end - self.now
         needed = self.per_step.get("" if method is None else method.name, 0.0) * steps
         if needed > left or left <= 0:
             raise NoTime(self.told)
-        self.workers.limit = max(1.0, left)
-        start = time.monotonic()
-        answer = self.workers.call(call)
-        taken = time.monotonic() - start
-        self.runs, self.spent = self.runs + 1, self.spent + taken
-        if isinstance(answer, TimedOut):
+        self.workers.limit = PATIENCE * max(1.0, left)
+        outcome = self.workers.call(call)
+        self.runs += 1
+        if isinstance(outcome, TimedOut):
+            self.in_workers += left
             raise NoTime(self.told)
-        if isinstance(answer, Crashed):
-            return Ended(answer.status, answer.reason)
-        if isinstance(answer, Motion) and method is not None:
-            self.per_step[method.name] = min(self.per_step.get(method.name, math.inf), taken / max(1, answer.steps))
-        return answer
+        if isinstance(outcome, Crashed):
+            return Ended(outcome.status, outcome.reason)
+        self.in_workers += outcome.seconds
+        if isinstance(outcome.answer, Motion) and method is not None:
+            per_step = outcome.seconds / max(1, outcome.answer.steps)
+            self.per_step[method.name] = min(self.per_step.get(method.name, math.inf), per_step)
+        return outcome.answer
 
     @property
     def told(self) -> str:
         """The number of runs that were made in the time, as a sentence without a full stop."""
-        return f"the time of {TIME_BUDGET_S:g} s is used up after {self.runs} runs"
+        return f"the processor time of {self.budget:g} s is used up after {self.runs} runs"
 
 
 @contextmanager
@@ -221,18 +239,18 @@ def results(
 
 def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Limit | None]:
     """Return the results of one engine, and its limit."""
-    with pool.Workers(refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=1) as workers:
-        clock = _Clock(workers, time.monotonic() + START_S)
+    with pool.Workers(refining.timed, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=1) as workers:
+        clock = _Clock(workers, START_S)
         facts = _facts(asked, name, record, clock)
         if isinstance(facts, Ended):
             row = _nothing(asked, name, record, Method("", 0.0), *_verdict_of(facts))
             return OfEngine(name, "", 0.0, "", (row,), {}), None
         rows: list[EstimateRow] = []
         every: list[Refined] = []
-        end = time.monotonic() + TIME_BUDGET_S
+        clock.budget = TIME_BUDGET_S
+        end = clock.now + TIME_BUDGET_S
         for index, spelling in enumerate(facts.methods):
-            now = time.monotonic()
-            clock.end = now + (end - now) / (len(facts.methods) - index)
+            clock.end = clock.now + (end - clock.now) / (len(facts.methods) - index)
             method = Method.parse(spelling, 0.0).at(facts.method.timestep)
             of_method, known = _of_method(asked, name, record, clock, facts, method)
             rows += of_method
