@@ -185,8 +185,10 @@ class Refined:
             size = max(apart, nudge)
             return refinement.around(0.0, 0.0, size, self.factor), refinement.around(0.0, 0.0, size, self.factor)
         factor = self.factor * known.loose
-        error = self._on_power_law(pair.levels[1].timestep, self.intervals(quantity, end, known, at_end), known)
-        return refinement.around(apart, error, nudge, factor), refinement.around(0.0, error, nudge, factor)
+        beside = () if known.borrowed else self.intervals(quantity, end, known, at_end)
+        error = self._on_power_law(pair.levels[1].timestep, beside, known)
+        around = refinement.either_way if known.borrowed else refinement.around
+        return around(apart, error, nudge, factor), around(0.0, error, nudge, factor)
 
     def _on_power_law(self, timestep: float, intervals: Sequence[Interval | None], known: Reference) -> float:
         """Return the error at a time step (s), on the power law through the estimates of the levels beside it.

@@ -71,6 +71,9 @@ class Reference:
         Why the levels are not asymptotic, in words.
     loose
         The factor by which the interval of its error is wider than that of other references; 1 if it is not loose.
+    borrowed
+        Whether the error is the largest over time, and stands for that at one instant, which is at most as large and may have
+        another sign.
     """
 
     level: int
@@ -79,6 +82,7 @@ class Reference:
     kind: Literal["even", "uneven", "rounding"] = "even"
     reason: str = ""
     loose: float = 1.0
+    borrowed: bool = False
 
 
 @dataclass(frozen=True)
@@ -229,14 +233,25 @@ def interval(
             return None
         width = max(known.error, LEAST_WIDTH * apart)
         return Interval(apart, apart - width, apart + width)
+    if known.borrowed:
+        finer = max(0, level - known.level)
+        return either_way(0.0 if finer else apart, known.error * 2.0 ** (-known.order * finer), rounding, factor)
     if level > known.level:
         smaller = known.error * 2.0 ** (-known.order * (level - known.level))
         rounded = max(rounding, apart - known.error + smaller)
         return Interval(smaller + rounded, max(0.0, smaller / factor - rounded), factor * smaller + ROUNDED * rounded)
     if level >= known.level - 2:
         return around(apart, known.error, rounding, factor)
-    width = max(factor * known.error, LEAST_WIDTH * apart) + rounding
-    return Interval(apart, max(0.0, apart - width), apart + width)
+    return either_way(apart, known.error, rounding, factor)
+
+
+def either_way(apart: float, error: float, rounding: float, factor: float) -> Interval:
+    """Return the interval of the error of a run from its difference to a finer one, whose error may have either sign.
+
+    The parameters are those of `around`.
+    """
+    width = max(factor * error, LEAST_WIDTH * apart) + rounding
+    return Interval(max(apart, error), max(0.0, apart - width), apart + width)
 
 
 def around(apart: float, error: float, rounding: float, factor: float) -> Interval:
