@@ -123,7 +123,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Ended:
-    """A run that did not complete. status: `diverged`, `reset`, `unsupported` or `crashed`."""
+    """A run that did not complete. status: `diverged`, `reset`, `unsupported`, `refused` or `crashed`."""
 
     status: str
     reason: str
@@ -157,7 +157,9 @@ def perform(call: Call) -> Answer:
         return Ended("unsupported", f"{call.engine} cannot run whole scenes of robots' files here")
     try:
         return adapter.file_facts(call.file) if isinstance(call, AskFile) else run_file(adapter, call)
-    except (ModelRefused, FormatUnknown, MotionRefused) as error:
+    except ModelRefused as error:
+        return Ended("refused", str(error))
+    except (FormatUnknown, MotionRefused) as error:
         return Ended("unsupported", str(error))
 
 

@@ -6,7 +6,7 @@ The runs are made by a function that the caller gives, so that this module knows
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -134,12 +134,8 @@ class Refined:
 
     def apart(self, quantity: str, until: float, at_end: bool = False) -> dict[tuple[int, int], float]:
         """Return the differences between all levels until an instant (s)."""
-        places = range(len(self.levels.levels))
-        return {
-            (one, other): self.levels.value(quantity, one, other, until, at_end)
-            for one in places
-            for other in places[one + 1 :]
-        }
+        pairs = combinations(range(len(self.levels.levels)), 2)
+        return {(one, other): self.levels.value(quantity, one, other, until, at_end) for one, other in pairs}
 
     def assessed(self, quantity: str, until: float, at_end: bool = False) -> Reference | str:
         """Return the reference of a quantity until an instant (s), or why there is none."""
