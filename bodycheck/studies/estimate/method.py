@@ -313,7 +313,7 @@ def searched(subject: Subject, known: Refined, run: Run) -> Refined:
     references = {name: one for name, one in seen.items() if isinstance(one, Reference) and one.kind != "uneven"}
     if known.chaos is not None or len(subject.held) or not seen or len(references) < len(seen):
         return known
-    bracket = _bracket(_highs(known, references, end), subject.error)
+    bracket = _bracket(_highs(known, references, end), subject.error, end / FEWEST_STEPS)
     pairs: list[Levels] = []
     try:
         for _ in range(MOST_TRIES):
@@ -344,10 +344,13 @@ def _highs(known: Refined, references: Mapping[str, Reference], end: float) -> l
 _Tried = tuple[float, float]
 
 
-def _bracket(highs: Sequence[_Tried], error: float) -> tuple[_Tried, _Tried] | None:
-    """Return the largest step that keeps an error with all smaller ones, and the next larger one; None if there is no such."""
+def _bracket(highs: Sequence[_Tried], error: float, largest: float) -> tuple[_Tried, _Tried] | None:
+    """Return the largest step that keeps an error with all smaller ones, and the next larger one; None if there is no such.
+
+    largest: the largest step (s) that is of use, which counts as one that breaks the error if all steps keep it.
+    """
     kept: _Tried | None = None
-    for step, high in reversed(highs):
+    for step, high in (*reversed(highs), (largest, math.inf)):
         if high > error:
             return None if kept is None else (kept, (step, high))
         kept = step, high
