@@ -167,8 +167,7 @@ class Refined:
     def of_pair(self, pair: Levels, quantity: str, known: Reference, at_end: bool = False) -> tuple[Interval, Interval]:
         """Return the estimates of the errors of a step that the search tried, and of its finer run, over the whole time.
 
-        The finer run is not compared with another one: its error is between those of the levels beside it, or that of the
-        reference, scaled by the order.
+        There is no finer run than the second one: its error is between those of the levels beside it, or the reference's, scaled.
         """
         end = float(pair.instants[-1])
         nudge = refinement.accumulated(self.levels.nudge(quantity, end), pair.levels[1].motion.steps)
