@@ -167,7 +167,7 @@ class Refined:
     def of_pair(self, pair: Levels, quantity: str, known: Reference, at_end: bool = False) -> tuple[Interval, Interval]:
         """Return the estimates of the errors of a step that the search tried, and of its finer run, over the whole time.
 
-        There is no finer run than the second one: its error is between those of the levels beside it, or the reference's, scaled.
+        Nothing is finer than the second run: its error is between those of the levels beside it, or the reference's, scaled.
         """
         end = float(pair.instants[-1])
         nudge = refinement.accumulated(self.levels.nudge(quantity, end), pair.levels[1].motion.steps)
@@ -308,9 +308,9 @@ def searched(subject: Subject, known: Refined, run: Run) -> Refined:
     last = len(known.levels.levels) - 1
     names = [name for name in known.levels.quantities if name in subject.compared]
     relevant = [name for name in names if known.levels.value(name, 0, last, end) > NEGLIGIBLE * subject.error]
-    seen = {name: known.assessed(name, end) for name in relevant}
+    seen = {name: known.assessed(name, end) for name in names}
     references = {name: one for name, one in seen.items() if isinstance(one, Reference) and one.kind != "uneven"}
-    if known.chaos is not None or len(subject.held) or not seen or len(references) < len(seen):
+    if known.chaos is not None or len(subject.held) or not references or not references.keys() >= set(relevant):
         return known
     bracket = _bracket(_highs(known, references, end), subject.error, end / FEWEST_STEPS)
     pairs: list[Levels] = []

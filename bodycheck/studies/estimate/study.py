@@ -32,7 +32,7 @@ from bodycheck.running.campaign import Advance
 from bodycheck.running.instants import default_timestep
 from bodycheck.running.refining import AskFile, Call, Ended, Motion, RunCase, RunFile
 from bodycheck.running.tasks import Question, answer
-from bodycheck.studies.estimate import factors, rating, showing
+from bodycheck.studies.estimate import factors, rating, showing, solver
 from bodycheck.studies.estimate.clock import Clock
 from bodycheck.studies.estimate.limits import Limit, Spread, between, causes_of, limit_of
 from bodycheck.studies.estimate.method import NoTime, Refined, Subject, refined, searched
@@ -46,6 +46,7 @@ from bodycheck.studies.estimate.rows import (
     EstimateRow,
     Estimates,
     OfEngine,
+    Solver,
     joined,
 )
 from bodycheck.studies.estimate.spellings import UnknownMethod, check
@@ -207,6 +208,7 @@ def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Limit
             return _without(asked, name, record, *_verdict_of(facts)), None
         rows: list[EstimateRow] = []
         every: list[Refined] = []
+        strictly: Solver | None = None
         clock.budget = TIME_BUDGET_S
         end = clock.now + TIME_BUDGET_S
         for index, spelling in enumerate(facts.methods):
@@ -215,11 +217,15 @@ def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Limit
             of_method, known = _of_method(asked, name, record, clock, facts, method)
             rows += of_method
             every += [] if known is None else [known]
+            if index == 0 and known is not None:
+                strictly = solver.measured(_subject(asked, facts), known, facts.settings, partial(_made, asked, name, clock))
     finest = every[0].levels.levels[-1].motion if every and every[0].levels.levels else None
     kind = "" if finest is None else _kind(asked, facts, finest)
     apart = _from_truth(asked, finest)
     shown = None if asked.file is None else showing.animation(name, facts.method.timestep, every, asked.instants)
-    of_engine = OfEngine(name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart, showing.stored(shown))
+    of_engine = OfEngine(
+        name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart, showing.stored(shown), strictly
+    )
     return of_engine, limit_of(asked.duration, every)
 
 

@@ -17,6 +17,7 @@ from bodycheck.studies.estimate.rows import (
     Choice,
     EstimateRow,
     Estimates,
+    Solver,
     choices,
 )
 
@@ -32,8 +33,8 @@ def headline(results: Estimates) -> str:
     """Return the sentence that says what the numbers are: estimates, of the engine's own limit."""
     engines = listing([name.split("@")[0] for name in results.present]) or "no engine"
     return (
-        f"{results.file}, {number(results.duration)} s: the errors are estimates, of the own limit of {engines} as h → 0; what "
-        "the model itself is worth is not asked."
+        f"{results.file}, {number(results.duration)} s: the errors are estimates, of the own limit of {engines} as h → 0, "
+        "which is the motion with ever smaller time steps h; what the model itself is worth is not asked."
     )
 
 
@@ -46,6 +47,7 @@ def sentences(results: Estimates) -> Iterator[str]:
             yield f"{in_words(engine, rows[0].version)}: {rows[0].reason}."
             continue
         yield own_step(results, rows, integrator, timestep)
+        yield from solver(results, rows, results.solvers.get(engine))
         yield cheapest(results, [one for one in chosen if one.engine == engine], rows[0], timestep)
         yield from breaks(rows)
         yield coverage(results.kinds[engine])
@@ -75,6 +77,28 @@ def own_step(results: Estimates, rows: Sequence[EstimateRow], integrator: str, t
         return f"{step}, does not complete: {row.reason}."
     until = "" if row.horizon is None else f", but until {number(row.horizon)} s it is asymptotic"
     return f"{step}: its error {WITHOUT.get(row.verdict, 'is not known')}{until}: {row.reason}."
+
+
+def solver(results: Estimates, rows: Sequence[EstimateRow], found: Solver | None) -> Iterator[str]:
+    """Yield a sentence on what the settings of the solver in the file cost beside the present step."""
+    if found is None or not found.errors:
+        return
+    integrator, timestep = results.present[rows[0].engine]
+    costs = {row.quantity: row.estimate for row in rows if (row.integrator, row.timestep) == (integrator, timestep)}
+    name, error = max(found.errors.items(), key=lambda entry: entry[1])
+    named, of_step = QUANTITIES[name], costs.get(name)
+    settings = f"The settings of the solver ({found.iterations} iterations, tolerance {found.tolerance:g})"
+    if error == 0:
+        yield f"{settings} cost nothing: a stricter solver makes no difference."
+        return
+    size = " ".join(filter(None, (number(error, 2), named.unit, f"of {named.title.lower()}")))
+    until = "" if found.until >= results.duration else f" until {number(found.until)} s"
+    stopped = "; some steps end at this number of iterations" if found.needed >= found.iterations else ""
+    compared = ""
+    if of_step:
+        more = error > of_step
+        compared = ", more than the step: change them before the step" if more else ", less than the step: they need no change"
+    yield f"{settings} cost {size}{until}{compared}{stopped}."
 
 
 def _error(row: EstimateRow) -> str:
@@ -126,7 +150,7 @@ def coverage(kind: str) -> str:
         return ""
     if not known.sample:
         return f"How often the intervals of this class ({kind}) are right is not measured yet."
-    return f"An interval of this class ({kind}) {known.told}, in {known.engine}."
+    return f"Such an interval (class of scenes: {kind}) {known.told}, measured in {known.engine}."
 
 
 def apart(results: Estimates, engine: str) -> Iterator[str]:

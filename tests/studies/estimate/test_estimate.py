@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -15,7 +16,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.adapters.file_motion import FileFacts
 from bodycheck.errors import BadInput
 from bodycheck.running.refining import Ended
-from bodycheck.studies.estimate import factors, rating
+from bodycheck.studies.estimate import factors, rating, wording
 from bodycheck.studies.estimate.calibration import SEED_OF_FACTORS
 from bodycheck.studies.estimate.interface import EstimateResults
 from bodycheck.studies.estimate.levels import Levels
@@ -313,3 +314,28 @@ def test_the_report_of_a_file_shows_its_motion_beside_the_finest_run(tmp_path: P
     assert own.low <= data["runs"][0]["attitude_error"] <= own.high
     assert len(data["truth"]["parts"]) == len(data["bodies"]) == 1
     assert 'class="player"' in (out / "report.html").read_text("utf-8")
+
+
+def test_the_error_of_a_solver_that_stops_early_is_told_beside_that_of_the_step(tmp_path: Path) -> None:
+    file = tmp_path / "boxes.xml"
+    boxes = "".join(
+        f'<body pos="0 0 {0.1 + 0.2 * place}"><freejoint/><geom type="box" size=".1 .1 .1"/></body>' for place in (0, 1)
+    )
+    option = '<option solver="PGS" iterations="2"/>'
+    file.write_text(f'<mujoco>{option}<worldbody><geom type="plane" size="1 1 1"/>{boxes}</worldbody></mujoco>')
+    estimates = bodycheck.estimate(file, engine="mujoco", integrator="Euler", duration=0.05).estimates
+    found = estimates.solvers["mujoco"]
+    assert (found.iterations, found.needed) == (2, 2)
+
+    def heights(iterations: int, tolerance: float) -> list[float]:
+        model = mujoco.MjModel.from_xml_path(str(file))
+        model.opt.iterations, model.opt.tolerance = iterations, tolerance
+        data = mujoco.MjData(model)
+        mujoco.mj_step(model, data, 25)
+        return data.xipos[1:].ravel().tolist()
+
+    apart = np.subtract(heights(2, 1e-8), heights(20, 1e-15)).reshape(2, 3)
+    assert found.errors["position_error"] >= 0.9 * np.linalg.norm(apart, axis=1).max() > 1e-6
+    (sentence,) = [one for one in wording.sentences(estimates) if one.startswith("The settings of the solver")]
+    assert "(2 iterations, tolerance 1e-08) cost" in sentence
+    assert sentence.endswith("some steps end at this number of iterations.")
