@@ -35,8 +35,8 @@ FEWEST_LEVELS = 4
 #: The part of an estimate that its interval has at least on each side: the differences of a curved error.
 LEAST_WIDTH = 0.01
 
-#: The ratio of a difference from a finer level to the one that the estimate allows from which on it contradicts the estimate.
-CONTRADICTION = 1.5
+#: The ratio of a difference from a finer level to the one that the estimate expects from which on it contradicts the estimate.
+CONTRADICTION = 1.9
 
 #: The excess of an observed order over the claimed one from which on a reference is loose, and the factor of its interval: a
 #: hidden error of the claimed order may be as large as the difference allows and have the opposite sign.
@@ -162,15 +162,15 @@ def reference(
         return Reference(levels - 1, 0.0, math.nan, "rounding")
     for level in range(useful - 1, 1, -1):
         known = _asymptotic(differences, level, useful < levels and level == useful - 1, claimed)
-        if known is not None and _agrees(known, differences, useful, nudge, factor):
+        if known is not None and _agrees(known, differences, useful, nudge):
             return known
     last = [differences[index, index + 1] for index in range(max(0, useful - FEWEST_LEVELS), useful - 1)]
     return Reference(useful - 1, UNEVEN * max(last), math.nan, "uneven", _why(last, useful < levels))
 
 
-def _agrees(known: Reference, differences: Differences, levels: int, nudge: float, factor: float) -> bool:
+def _agrees(known: Reference, differences: Differences, levels: int, nudge: float) -> bool:
     """Return whether the differences of a reference from finer levels are of the size that its error makes them."""
-    most = CONTRADICTION * factor * known.loose
+    most = CONTRADICTION * known.loose
     for finer in range(known.level + 1, levels):
         expected = known.error * (1 - 2.0 ** (-known.order * (finer - known.level)))
         if not expected / most - nudge <= differences[known.level, finer] <= expected * most + nudge:
@@ -239,7 +239,8 @@ def interval(
     if level > known.level:
         smaller = known.error * 2.0 ** (-known.order * (level - known.level))
         rounded = max(rounding, apart - known.error + smaller)
-        return Interval(smaller + rounded, max(0.0, smaller / factor - rounded), factor * smaller + ROUNDED * rounded)
+        low = smaller / factor**2 - rounded  # the order below the reference is not observed either
+        return Interval(smaller + rounded, max(0.0, low), factor * smaller + ROUNDED * rounded)
     if level >= known.level - 2:
         return around(apart, known.error, rounding, factor)
     return either_way(apart, known.error, rounding, factor)

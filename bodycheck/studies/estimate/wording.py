@@ -68,7 +68,7 @@ def own_step(results: Estimates, rows: Sequence[EstimateRow], integrator: str, t
         return f"{step}, was not run."
     known = [row for row in present if row.verdict == ESTIMATE and row.estimate is not None]
     if known:
-        return f"{step}, costs {listing([_error(row) for row in known])} over {number(results.duration)} s."
+        return f"{step}, costs {listing([_error(row) for row in known])} over {number(results.duration)} s.{_rest(present)}"
     row = next((row for row in present if row.quantity in results.compared), present[0])
     if row.verdict.startswith(CHAOTIC):
         until = "" if row.estimate is None else f"; until {number(row.horizon)} s it costs {_error(row)}"
@@ -77,6 +77,15 @@ def own_step(results: Estimates, rows: Sequence[EstimateRow], integrator: str, t
         return f"{step}, does not complete: {row.reason}."
     until = "" if row.horizon is None else f", but until {number(row.horizon)} s it is asymptotic"
     return f"{step}: its error {WITHOUT.get(row.verdict, 'is not known')}{until}: {row.reason}."
+
+
+def _rest(present: Sequence[EstimateRow]) -> str:
+    """Return a sentence on the quantities of the present step without an estimate, with a space before it; empty if all have one."""
+    rest = [row for row in present if row.verdict == NOT_ASYMPTOTIC]
+    if not rest:
+        return ""
+    names = listing([QUANTITIES[row.quantity].title.lower() for row in rest])
+    return f" It has no estimate of {names}: {rest[0].reason}."
 
 
 def solver(results: Estimates, rows: Sequence[EstimateRow], found: Solver | None) -> Iterator[str]:
@@ -112,7 +121,7 @@ def cheapest(results: Estimates, chosen: Sequence[Choice], row: EstimateRow, pre
     """Return a sentence on the cheapest method and step of an engine that keep the allowed error."""
     allowed = number(results.error)
     if not chosen:
-        return f"No step of {row.engine} that was tried keeps {allowed}."
+        return f"No step of {row.engine} that was tried is known to keep {allowed} in {_compared(results)}."
     best, *others = chosen
     speed = f"{number(1 / best.cost, 2)} times as fast as real time" if best.cost < 1 else "slower than real time"
     ratio = best.timestep / present
@@ -122,6 +131,12 @@ def cheapest(results: Estimates, chosen: Sequence[Choice], row: EstimateRow, pre
         f"To keep {allowed}, the cheapest is {_method(best)}, {steps}: at most {number(best.high, 3)}, at "
         f"{number(best.cost, 2)} s of computing per second, {speed}.{second}"
     )
+
+
+def _compared(results: Estimates) -> str:
+    """Return the quantities that are compared with the allowed error and that the scene has, in words."""
+    names = dict.fromkeys(row.quantity for row in results.rows if row.quantity in results.compared)
+    return listing([QUANTITIES[name].title.lower() for name in names]) or "any quantity"
 
 
 def _method(choice: Choice) -> str:
