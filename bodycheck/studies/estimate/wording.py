@@ -80,7 +80,7 @@ def own_step(results: Estimates, rows: Sequence[EstimateRow], integrator: str, t
 
 
 def _rest(present: Sequence[EstimateRow]) -> str:
-    """Return a sentence on the quantities of the present step without an estimate, with a space before it; empty if all have one."""
+    """Return a sentence on the quantities of a step without an estimate, with a space before it; empty if all have one."""
     rest = [row for row in present if row.verdict == NOT_ASYMPTOTIC]
     if not rest:
         return ""
