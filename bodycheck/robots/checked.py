@@ -34,7 +34,8 @@ def written(root: Element) -> bytes:
 
 def sources(root: Element) -> dict[int, str]:
     """Return the file and the line of each element, as in `robot.xml:12`, by the line at which it starts in `written(root)`."""
-    places, line = {}, 1
+    places: dict[int, str] = {}
+    line = 1
     for piece, element in _pieces(root):
         places |= {} if element is None else {line: f"{element.file}:{element.line}"}
         line += piece.count("\n")
