@@ -48,9 +48,9 @@ CASES = {
     "chain-3": ("attitude_error", 1e-3),
     "cart-pole": ("attitude_error", 1e-4),
     "hinge-spring": ("attitude_error", 1e-4),
-    "oscillator-underdamped": ("position_error", 1e-5),
-    "slider-damping": ("position_error", 1e-5),
-    "dumbbell": ("attitude_error", 1e-3),
+    "oscillator-underdamped": ("position_error", 1e-8),
+    "slider-damping": ("position_error", 1e-8),
+    "dumbbell": ("attitude_error", 1e-6),
 }
 
 ENGINE, METHODS = "mujoco", ("Euler", "RK4")
