@@ -103,10 +103,10 @@ def compared(name: str, folder: Path) -> Compared:
     ).estimates
     by_estimate = choices(estimates)
     per_step = {one.integrator: one.cost * one.timestep for one in by_estimate}
-    found = bodycheck.recommend(case, error=allowed, quantity=quantity, engine=ENGINE, integrator=METHODS).found
+    by_truth = bodycheck.recommend(case, error=allowed, quantity=quantity, engine=ENGINE, integrator=METHODS).found
     largest: dict[str, float] = {}
     for method in METHODS:
-        for probe in sorted((one for one in found.probes if one.integrator == method), key=lambda one: one.timestep):
+        for probe in sorted((one for one in by_truth.probes if one.integrator == method), key=lambda one: one.timestep):
             if probe.error is None or probe.error > allowed:
                 break
             largest[method] = probe.timestep

@@ -281,10 +281,10 @@ def _refusal(asked: Asked, record: Engine, reason: str) -> Refused:
     """Return the refusal of a file by an engine, with the line of the file in place of that of its copy."""
     assert asked.file is not None
     said = printable(reason).replace(Path(asked.file.path).name, asked.name)
-    place = asked.name
-    if (found := re.search(r",? \(?line (\d+)\)?", said)) and (source := asked.lines.get(int(found[1]))):
-        said, place = said[: found.start()] + said[found.end() :], source
-    return Refused(f"{place}: {in_words(record.name, record.version)} cannot read the file: {said}")
+    where = asked.name
+    if (line := re.search(r",? \(?line (\d+)\)?", said)) and (source := asked.lines.get(int(line[1]))):
+        said, where = said[: line.start()] + said[line.end() :], source
+    return Refused(f"{where}: {in_words(record.name, record.version)} cannot read the file: {said}")
 
 
 def _without(asked: Asked, name: str, record: Engine, verdict: str, reason: str) -> OfEngine:

@@ -88,21 +88,21 @@ def _rest(present: Sequence[EstimateRow]) -> str:
     return f" It has no estimate of {names}: {rest[0].reason}."
 
 
-def solver(results: Estimates, rows: Sequence[EstimateRow], found: Solver | None) -> Iterator[str]:
+def solver(results: Estimates, rows: Sequence[EstimateRow], cost: Solver | None) -> Iterator[str]:
     """Yield a sentence on what the settings of the solver in the file cost beside the present step."""
-    if found is None or not found.errors:
+    if cost is None or not cost.errors:
         return
     integrator, timestep = results.present[rows[0].engine]
     costs = {row.quantity: row.estimate for row in rows if (row.integrator, row.timestep) == (integrator, timestep)}
-    name, error = max(found.errors.items(), key=lambda entry: entry[1])
+    name, error = max(cost.errors.items(), key=lambda entry: entry[1])
     named, of_step = QUANTITIES[name], costs.get(name)
-    settings = f"The settings of the solver ({found.iterations} iterations, tolerance {found.tolerance:g})"
+    settings = f"The settings of the solver ({cost.iterations} iterations, tolerance {cost.tolerance:g})"
     if error == 0:
         yield f"{settings} cost nothing: a stricter solver makes no difference."
         return
     size = " ".join(filter(None, (number(error, 2), named.unit, f"of {named.title.lower()}")))
-    until = "" if found.until >= results.duration else f" until {number(found.until)} s"
-    stopped = "; some steps end at this number of iterations" if found.needed >= found.iterations else ""
+    until = "" if cost.until >= results.duration else f" until {number(cost.until)} s"
+    stopped = "; some steps end at this number of iterations" if cost.needed >= cost.iterations else ""
     compared = ""
     if of_step:
         more = error > of_step

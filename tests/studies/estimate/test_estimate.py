@@ -324,8 +324,8 @@ def test_the_error_of_a_solver_that_stops_early_is_told_beside_that_of_the_step(
     option = '<option solver="PGS" iterations="2"/>'
     file.write_text(f'<mujoco>{option}<worldbody><geom type="plane" size="1 1 1"/>{boxes}</worldbody></mujoco>')
     estimates = bodycheck.estimate(file, engine="mujoco", integrator="Euler", duration=0.05).estimates
-    found = estimates.solvers["mujoco"]
-    assert (found.iterations, found.needed) == (2, 2)
+    cost = estimates.solvers["mujoco"]
+    assert (cost.iterations, cost.needed) == (2, 2)
 
     def heights(iterations: int, tolerance: float) -> list[float]:
         model = mujoco.MjModel.from_xml_path(str(file))
@@ -335,7 +335,7 @@ def test_the_error_of_a_solver_that_stops_early_is_told_beside_that_of_the_step(
         return data.xipos[1:].ravel().tolist()
 
     apart = np.subtract(heights(2, 1e-8), heights(20, 1e-15)).reshape(2, 3)
-    assert found.errors["position_error"] >= 0.9 * np.linalg.norm(apart, axis=1).max() > 1e-6
+    assert cost.errors["position_error"] >= 0.9 * np.linalg.norm(apart, axis=1).max() > 1e-6
     (sentence,) = [one for one in wording.sentences(estimates) if one.startswith("The settings of the solver")]
     assert "(2 iterations, tolerance 1e-08) cost" in sentence
     assert sentence.endswith("some steps end at this number of iterations.")
