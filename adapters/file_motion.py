@@ -45,6 +45,8 @@ class FileFacts:
         Whether there is dry friction in joints or tendons.
     options
         The options of methods for files, with the types of their values.
+    settings
+        The values of the options `iterations` and `tolerance` in the file; empty if the engine has no such solver.
     """
 
     method: Method
@@ -55,6 +57,7 @@ class FileFacts:
     driven: bool = False
     friction: bool = False
     options: Mapping[str, type[int] | type[float]] = field(default_factory=dict)
+    settings: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

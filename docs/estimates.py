@@ -7,9 +7,9 @@ a finished file.
 
 import argparse
 import json
-import time
+import resource
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -20,6 +20,7 @@ import bodycheck
 from bodycheck.casefile.robots.named import may_be_robot
 from bodycheck.errors import BadInput
 from bodycheck.reports.quantities import number
+from bodycheck.studies.estimate.rows import ESTIMATE
 
 #: The packages whose scenes are measured.
 PACKAGES = ("gymnasium", "gymnasium_robotics", "dm_control", "robosuite")
@@ -31,7 +32,7 @@ INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast", "discrete")
 ANGLE, LENGTH = "joint_position_error", "position_error"
 
 HEAD = (
-    "| scene | class | step, ms | joint position error, rad | position error, m | verdict | s |\n"
+    "| scene | class | step, ms | joint position error, rad | position error, m | verdict | processor time, s |\n"
     "| --- | --- | ---: | --- | --- | --- | ---: |"
 )
 
@@ -46,7 +47,7 @@ def scenes(models: Path) -> Iterator[tuple[str, Path]]:
 
 def measured(models: Path, package: str, path: Path) -> dict[str, Any]:
     """Return the record of a scene."""
-    start = time.monotonic()
+    start = processor_time()
     record: dict[str, Any] = {"path": str(path.relative_to(models))}
     try:
         method = INTEGRATORS[mujoco.MjModel.from_xml_path(str(path)).opt.integrator]
@@ -58,7 +59,13 @@ def measured(models: Path, package: str, path: Path) -> dict[str, Any]:
         record["rows"] = list(results.tables["estimate"].rows)
     except BadInput as error:
         record["refused"] = str(error)
-    return record | {"seconds": time.monotonic() - start}
+    return record | {"seconds": processor_time() - start}
+
+
+def processor_time() -> float:
+    """Return the processor time (s) of this process and of those that it has started and that have ended."""
+    uses = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in uses)
 
 
 def row(record: dict[str, Any]) -> tuple[str, str]:
@@ -102,11 +109,29 @@ def main() -> None:
                 with options.records.open("a") as file:
                     file.write(json.dumps(measured(options.models, package, path)) + "\n")
         return
-    lines = [row(record) for record in known]
+    lines = [row(record) for record in sorted(known, key=lambda record: record["path"])]
     print(HEAD, *(line for _, line in lines), sep="\n")
-    verdicts = Counter(verdict for verdict, _ in lines)
-    times = median(record["seconds"] for record in known)
-    print(f"\n{', '.join(f'{name}: {count}' for name, count in verdicts.most_common())}; {times:.0f} s in the median.")
+    print("", *summary(known, Counter(verdict for verdict, _ in lines)), sep="\n")
+
+
+def summary(known: Sequence[dict[str, Any]], verdicts: Counter[str]) -> Iterator[str]:
+    """Yield sentences on the verdicts, on what the present steps cost in error, and on the time that it took."""
+    yield f"{len(known)} scenes: {', '.join(f'{name} {count}' for name, count in verdicts.most_common())}."
+    errors = {
+        record["path"]: row["estimate"]
+        for record in known
+        for row in record.get("rows", ())
+        if (row["timestep"], row["quantity"], row["verdict"]) == (record["own"][1], ANGLE, ESTIMATE)
+    }
+    above = {limit: sum(error > limit for error in errors.values()) for limit in (1e-3, 1e-2, 1e-1)}
+    worst = max(errors, key=lambda path: errors[path])
+    yield (
+        f"Of {len(errors)} scenes whose present step has an estimate of the {ANGLE}, it costs more than 0.001 rad in "
+        f"{above[1e-3]}, more than 0.01 rad in {above[1e-2]} and more than 0.1 rad in {above[1e-1]}; the most is "
+        f"{number(errors[worst], 2)} rad in {worst}."
+    )
+    times = [record["seconds"] for record in known]
+    yield f"Processor time of a scene: {median(times):.0f} s in the median, at most {max(times):.0f} s."
 
 
 if __name__ == "__main__":

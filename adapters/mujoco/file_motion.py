@@ -63,6 +63,7 @@ def facts_of(model: mujoco.MjModel, methods: Sequence[str]) -> FileFacts:
         driven=bool(model.nu) and not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_ACTUATION),
         friction=bool(np.any(model.dof_frictionloss) or np.any(model.tendon_frictionloss)),
         options=SETTINGS,
+        settings={name: float(getattr(model.opt, name)) for name in SETTINGS},
     )
 
 

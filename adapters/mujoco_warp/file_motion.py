@@ -4,6 +4,7 @@ Memory is reserved for the contacts and the rows of constraints of MuJoCo Warp's
 the poses of bodies, follow from the coordinates by MuJoCo in double precision.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -30,7 +31,8 @@ def file_facts(file: RobotFile) -> FileFacts:
     The kernels that runs need are compiled here, which takes a minute when they are not in Warp's cache.
     """
     compiled = of_mujoco.compiled(file.path)
-    facts = of_mujoco.facts_of(compiled, methods())
+    # In single precision, a solver cannot be made so strict that its error is seen.
+    facts = replace(of_mujoco.facts_of(compiled, methods()), settings={})
     with quiet():
         _stepper(compiled, mujoco.MjData(compiled))
     return facts

@@ -5,7 +5,7 @@ is written anew from the elements of the stranger's file: in UTF-8, without a do
 to other files.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,26 +29,40 @@ def written(root: Element) -> bytes:
     Raises `BadInput` if elements are nested more than `MAX_DEPTH` deep, as they may be after files have been included in
     others.
     """
+    return "".join(piece for piece, _ in _pieces(root)).encode("utf-8")
+
+
+def sources(root: Element) -> dict[int, str]:
+    """Return the file and the line of each element, as in `robot.xml:12`, by the line at which it starts in `written(root)`."""
+    places: dict[int, str] = {}
+    line = 1
+    for piece, element in _pieces(root):
+        places |= {} if element is None else {line: f"{element.file}:{element.line}"}
+        line += piece.count("\n")
+    return places
+
+
+def _pieces(root: Element) -> Iterator[tuple[str, Element | None]]:
+    """Yield the text of a file that contains an element in pieces, each with the element that starts with it."""
     from xml.sax.saxutils import escape, quoteattr  # it imports urllib and ssl, and only robots' files need it
 
-    parts = ['<?xml version="1.0" encoding="UTF-8"?>\n']
+    yield '<?xml version="1.0" encoding="UTF-8"?>\n', None
     left: list[tuple[Element | str, int]] = [(root, 1)]
     while left:
         item, depth = left.pop()
         if isinstance(item, str):
-            parts.append(item)
+            yield item, None
             continue
         if depth > MAX_DEPTH:
             refuse(item, None, f"elements are nested more than {MAX_DEPTH} deep")
         attributes = "".join(f" {name}={quoteattr(value)}" for name, value in item.attributes.items())
         text = "".join(escape(piece, {"\r": "&#13;"}) for piece in item.text)
         if not item.children and not text:
-            parts.append(f"<{item.tag}{attributes}/>\n")
+            yield f"<{item.tag}{attributes}/>\n", item
             continue
-        parts.append(f"<{item.tag}{attributes}>{text or chr(10)}")
+        yield f"<{item.tag}{attributes}>{text or chr(10)}", item
         left.append((f"</{item.tag}>\n", depth))
         left += [(child, depth + 1) for child in reversed(item.children)]
-    return "".join(parts).encode("utf-8")
 
 
 @dataclass(frozen=True)

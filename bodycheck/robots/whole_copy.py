@@ -10,7 +10,7 @@ from pathlib import Path
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.files import writing
 from bodycheck.robots import elements, mjcf_copy, mjcf_meshes, repetition
-from bodycheck.robots.checked import written
+from bodycheck.robots.checked import sources, written
 from bodycheck.robots.elements import Element
 from bodycheck.robots.named_files import Folders, Removed, folders, local
 
@@ -18,8 +18,10 @@ from bodycheck.robots.named_files import Folders, Removed, folders, local
 UNWANTED = {"visual", "material", "texture", "plugin", "gazebo", "transmission", "sensor"}
 
 
-def copied(path: Path, packages: Sequence[Path], into: Path) -> RobotFile:
-    """Write the copy of a robot model, URDF or MJCF, into an empty folder, and return it.
+def copied(path: Path, packages: Sequence[Path], into: Path) -> tuple[RobotFile, dict[int, str]]:
+    """Write the copy of a robot model, URDF or MJCF, into an empty folder, and return it with the origin of its lines.
+
+    The origin is the file and the line of the element that starts at a line of the copy, as in `robot.xml:12`.
 
     Raises `BadInput` if the file is no robot model, needs a plug-in, stands for too many parts, or names a file that cannot be
     read or is outside the folders, and `NotWritten`.
@@ -37,7 +39,7 @@ def copied(path: Path, packages: Sequence[Path], into: Path) -> RobotFile:
         case _:
             elements.refuse_root(root)
     writing.write(Path(copy.path), written(root))
-    return copy
+    return copy, sources(root)
 
 
 def _prepare_urdf(root: Element, allowed: Folders, into: Path) -> None:

@@ -3,6 +3,7 @@
 A scene is a case, of which the truth is not used, or the file of a robot that the engine reads itself.
 """
 
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TypeVar, cast
@@ -122,7 +123,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Ended:
-    """A run that did not complete. status: `diverged`, `reset`, `unsupported` or `crashed`."""
+    """A run that did not complete. status: `diverged`, `reset`, `unsupported`, `refused` or `crashed`."""
 
     status: str
     reason: str
@@ -130,6 +131,21 @@ class Ended:
 
 Call = AskFile | RunFile | RunCase
 Answer = FileFacts | Motion | Ended
+
+
+@dataclass(frozen=True, eq=False)
+class Timed:
+    """The answer to a call, and the processor time (s) that it took in the worker."""
+
+    answer: Answer
+    seconds: float
+
+
+def timed(call: Call) -> Timed:
+    """Return the answer of an engine to a call with its processor time, which other programs of the machine do not change."""
+    start = time.process_time()
+    answer = perform(call)
+    return Timed(answer, time.process_time() - start)
 
 
 def perform(call: Call) -> Answer:
@@ -141,7 +157,9 @@ def perform(call: Call) -> Answer:
         return Ended("unsupported", f"{call.engine} cannot run whole scenes of robots' files here")
     try:
         return adapter.file_facts(call.file) if isinstance(call, AskFile) else run_file(adapter, call)
-    except (ModelRefused, FormatUnknown, MotionRefused) as error:
+    except ModelRefused as error:
+        return Ended("refused", str(error))
+    except (FormatUnknown, MotionRefused) as error:
         return Ended("unsupported", str(error))
 
 

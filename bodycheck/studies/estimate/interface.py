@@ -110,11 +110,11 @@ def _about_file(path: Path, wanted: Wanted, folder: Path, quantities: tuple[str,
         raise BadInput(f"{path}: there is no such file")
     if wanted.blind:
         raise BadInput("--blind: is for cases, whose truth is not used then; a robot's file has none")
-    copy = whole_copy.copied(path, wanted.packages, folder)
+    copy, lines = whole_copy.copied(path, wanted.packages, folder)
     digest = sha256(b"".join(one.read_bytes() for one in sorted(folder.iterdir()))).hexdigest()
     controls = None if wanted.controls is None else _controls(wanted.controls)
     return Asked(
-        *(path.name, wanted.duration or DURATION_S, wanted.error, quantities, compared, wanted.integrators),
+        *(shown_name(path), wanted.duration or DURATION_S, wanted.error, quantities, compared, wanted.integrators),
         file=copy,
         keyframe=wanted.keyframe,
         controls=controls,
@@ -122,7 +122,14 @@ def _about_file(path: Path, wanted: Wanted, folder: Path, quantities: tuple[str,
         identity=digest + ("" if controls is None else repr(controls.values.tolist())),
         path=path,
         packages=wanted.packages,
+        lines=lines,
     )
+
+
+def shown_name(path: Path) -> str:
+    """Return the name of a file with that of its folder, since files of several robots often have the same name."""
+    folder = path.resolve().parent.name
+    return f"{folder}/{path.name}" if folder else path.name
 
 
 def _about_case(case: Case, wanted: Wanted, quantities: tuple[str, ...], compared: tuple[str, ...]) -> Asked:

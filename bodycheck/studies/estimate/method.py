@@ -6,7 +6,7 @@ The runs are made by a function that the caller gives, so that this module knows
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -134,12 +134,8 @@ class Refined:
 
     def apart(self, quantity: str, until: float, at_end: bool = False) -> dict[tuple[int, int], float]:
         """Return the differences between all levels until an instant (s)."""
-        places = range(len(self.levels.levels))
-        return {
-            (one, other): self.levels.value(quantity, one, other, until, at_end)
-            for one in places
-            for other in places[one + 1 :]
-        }
+        pairs = combinations(range(len(self.levels.levels)), 2)
+        return {(one, other): self.levels.value(quantity, one, other, until, at_end) for one, other in pairs}
 
     def assessed(self, quantity: str, until: float, at_end: bool = False) -> Reference | str:
         """Return the reference of a quantity until an instant (s), or why there is none."""
@@ -171,8 +167,7 @@ class Refined:
     def of_pair(self, pair: Levels, quantity: str, known: Reference, at_end: bool = False) -> tuple[Interval, Interval]:
         """Return the estimates of the errors of a step that the search tried, and of its finer run, over the whole time.
 
-        The finer run is not compared with another one: its error is between those of the levels beside it, or that of the
-        reference, scaled by the order.
+        Nothing is finer than the second run: its error is between those of the levels beside it, or the reference's, scaled.
         """
         end = float(pair.instants[-1])
         nudge = refinement.accumulated(self.levels.nudge(quantity, end), pair.levels[1].motion.steps)
@@ -185,8 +180,10 @@ class Refined:
             size = max(apart, nudge)
             return refinement.around(0.0, 0.0, size, self.factor), refinement.around(0.0, 0.0, size, self.factor)
         factor = self.factor * known.loose
-        error = self._on_power_law(pair.levels[1].timestep, self.intervals(quantity, end, known, at_end), known)
-        return refinement.around(apart, error, nudge, factor), refinement.around(0.0, error, nudge, factor)
+        beside = () if known.borrowed else self.intervals(quantity, end, known, at_end)
+        error = self._on_power_law(pair.levels[1].timestep, beside, known)
+        around = refinement.either_way if known.borrowed else refinement.around
+        return around(apart, error, nudge, factor), around(0.0, error, nudge, factor)
 
     def _on_power_law(self, timestep: float, intervals: Sequence[Interval | None], known: Reference) -> float:
         """Return the error at a time step (s), on the power law through the estimates of the levels beside it.
@@ -311,11 +308,11 @@ def searched(subject: Subject, known: Refined, run: Run) -> Refined:
     last = len(known.levels.levels) - 1
     names = [name for name in known.levels.quantities if name in subject.compared]
     relevant = [name for name in names if known.levels.value(name, 0, last, end) > NEGLIGIBLE * subject.error]
-    seen = {name: known.assessed(name, end) for name in relevant}
+    seen = {name: known.assessed(name, end) for name in names}
     references = {name: one for name, one in seen.items() if isinstance(one, Reference) and one.kind != "uneven"}
-    if known.chaos is not None or len(subject.held) or not seen or len(references) < len(seen):
+    if known.chaos is not None or len(subject.held) or not references or not references.keys() >= set(relevant):
         return known
-    bracket = _bracket(_highs(known, references, end), subject.error)
+    bracket = _bracket(_highs(known, references, end), subject.error, end / FEWEST_STEPS)
     pairs: list[Levels] = []
     try:
         for _ in range(MOST_TRIES):
@@ -346,10 +343,13 @@ def _highs(known: Refined, references: Mapping[str, Reference], end: float) -> l
 _Tried = tuple[float, float]
 
 
-def _bracket(highs: Sequence[_Tried], error: float) -> tuple[_Tried, _Tried] | None:
-    """Return the largest step that keeps an error with all smaller ones, and the next larger one; None if there is no such."""
+def _bracket(highs: Sequence[_Tried], error: float, largest: float) -> tuple[_Tried, _Tried] | None:
+    """Return the largest step that keeps an error with all smaller ones, and the next larger one; None if there is no such.
+
+    largest: the largest step (s) that is of use, which counts as one that breaks the error if all steps keep it.
+    """
     kept: _Tried | None = None
-    for step, high in reversed(highs):
+    for step, high in (*reversed(highs), (largest, math.inf)):
         if high > error:
             return None if kept is None else (kept, (step, high))
         kept = step, high

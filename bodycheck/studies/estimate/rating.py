@@ -1,7 +1,7 @@
 """Make the rows of estimate.csv from the runs of one method: verdicts, intervals and reasons."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from bodycheck.studies.estimate.rows import CHAOTIC, ESTIMATE, NO_TIME, NOT_ASYM
 
 #: The reason of rows whose error is due to rounding.
 ROUNDED = "the error is that of rounding"
+
+#: The reason of rows whose error at the end may be zero, and has only an upper end.
+BORROWED = "the error at the end does not fall evenly, and is at most this"
 
 #: The reason of rows whose run is not compared with a finer one.
 SCALED = "the error follows from that of other time steps by the order"
@@ -121,7 +124,8 @@ def _of_quantity(subject: Subject, known: Refined, name: str, reasons: Sequence[
     whole = known.assessed(quantity, end)
     at_last = known.assessed(quantity, end, at_end=True) if at_end else whole
     if isinstance(at_last, str) or at_last.kind == "uneven":
-        at_last = whole  # the difference at one instant may pass through zero; the largest over time does not
+        # The difference at one instant may pass through zero; the largest over time does not.
+        at_last = whole if isinstance(whole, str) else replace(whole, borrowed=at_end)
     for index, level in enumerate(known.levels.levels):
         seen = last[index]
         horizon, order = (None, None) if seen is None else (seen[0], _order(seen[2], last, index))
@@ -129,8 +133,9 @@ def _of_quantity(subject: Subject, known: Refined, name: str, reasons: Sequence[
             interval = None if seen is None else _until(known, quantity, index, seen, at_end)
             yield level.timestep, _Judged(interval, order, *_chaotic(known.chaos, horizon), horizon)
         elif seen is not None and seen[0] == end and isinstance(at_last, Reference):
-            interval = known.intervals(quantity, end, at_last, at_end)[index] or seen[1]
-            yield level.timestep, _Judged(interval, order, ESTIMATE, ROUNDED if interval.low == 0 else "", end)
+            interval = known.intervals(quantity, end, at_last, at_end)[index] or replace(seen[1], low=0.0)
+            without_low = BORROWED if at_last.borrowed and at_last.kind != "rounding" else ROUNDED
+            yield level.timestep, _Judged(interval, order, ESTIMATE, without_low if interval.low == 0 else "", end)
         else:
             why = whole if isinstance(whole, str) else whole.reason or "its error is not clear of that of the finest run"
             yield level.timestep, _Judged(None, order, *_none(known, why, reasons), horizon)

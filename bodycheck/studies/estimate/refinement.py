@@ -35,8 +35,8 @@ FEWEST_LEVELS = 4
 #: The part of an estimate that its interval has at least on each side: the differences of a curved error.
 LEAST_WIDTH = 0.01
 
-#: The ratio of a difference from a finer level to the one that the estimate allows from which on it contradicts the estimate.
-CONTRADICTION = 1.5
+#: The ratio of a difference from a finer level to the one that the estimate expects from which on it contradicts the estimate.
+CONTRADICTION = 1.9
 
 #: The excess of an observed order over the claimed one from which on a reference is loose, and the factor of its interval: a
 #: hidden error of the claimed order may be as large as the difference allows and have the opposite sign.
@@ -71,6 +71,9 @@ class Reference:
         Why the levels are not asymptotic, in words.
     loose
         The factor by which the interval of its error is wider than that of other references; 1 if it is not loose.
+    borrowed
+        Whether the error is the largest over time, and stands for that at one instant, which is at most as large and may have
+        another sign.
     """
 
     level: int
@@ -79,6 +82,7 @@ class Reference:
     kind: Literal["even", "uneven", "rounding"] = "even"
     reason: str = ""
     loose: float = 1.0
+    borrowed: bool = False
 
 
 @dataclass(frozen=True)
@@ -158,15 +162,15 @@ def reference(
         return Reference(levels - 1, 0.0, math.nan, "rounding")
     for level in range(useful - 1, 1, -1):
         known = _asymptotic(differences, level, useful < levels and level == useful - 1, claimed)
-        if known is not None and _agrees(known, differences, useful, nudge, factor):
+        if known is not None and _agrees(known, differences, useful, nudge):
             return known
     last = [differences[index, index + 1] for index in range(max(0, useful - FEWEST_LEVELS), useful - 1)]
     return Reference(useful - 1, UNEVEN * max(last), math.nan, "uneven", _why(last, useful < levels))
 
 
-def _agrees(known: Reference, differences: Differences, levels: int, nudge: float, factor: float) -> bool:
+def _agrees(known: Reference, differences: Differences, levels: int, nudge: float) -> bool:
     """Return whether the differences of a reference from finer levels are of the size that its error makes them."""
-    most = CONTRADICTION * factor * known.loose
+    most = CONTRADICTION * known.loose
     for finer in range(known.level + 1, levels):
         expected = known.error * (1 - 2.0 ** (-known.order * (finer - known.level)))
         if not expected / most - nudge <= differences[known.level, finer] <= expected * most + nudge:
@@ -229,14 +233,26 @@ def interval(
             return None
         width = max(known.error, LEAST_WIDTH * apart)
         return Interval(apart, apart - width, apart + width)
+    if known.borrowed:
+        finer = max(0, level - known.level)
+        return either_way(0.0 if finer else apart, known.error * 2.0 ** (-known.order * finer), rounding, factor)
     if level > known.level:
         smaller = known.error * 2.0 ** (-known.order * (level - known.level))
         rounded = max(rounding, apart - known.error + smaller)
-        return Interval(smaller + rounded, max(0.0, smaller / factor - rounded), factor * smaller + ROUNDED * rounded)
+        low = smaller / factor**2 - rounded  # the order below the reference is not observed either
+        return Interval(smaller + rounded, max(0.0, low), factor * smaller + ROUNDED * rounded)
     if level >= known.level - 2:
         return around(apart, known.error, rounding, factor)
-    width = max(factor * known.error, LEAST_WIDTH * apart) + rounding
-    return Interval(apart, max(0.0, apart - width), apart + width)
+    return either_way(apart, known.error, rounding, factor)
+
+
+def either_way(apart: float, error: float, rounding: float, factor: float) -> Interval:
+    """Return the interval of the error of a run from its difference to a finer one, whose error may have either sign.
+
+    The parameters are those of `around`.
+    """
+    width = max(factor * error, LEAST_WIDTH * apart) + rounding
+    return Interval(max(apart, error), max(0.0, apart - width), apart + width)
 
 
 def around(apart: float, error: float, rounding: float, factor: float) -> Interval:

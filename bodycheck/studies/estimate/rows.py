@@ -114,6 +114,29 @@ class About:
 
 
 @dataclass(frozen=True)
+class Solver:
+    """The settings of a solver in a file, and the error that they cost at the present time step.
+
+    Attributes
+    ----------
+    iterations, tolerance
+        The settings.
+    needed
+        The most iterations that a step made.
+    until
+        The end (s) of the time in which the runs are compared.
+    errors
+        The largest differences from the run with the stricter solver until then, by quantities.
+    """
+
+    iterations: int
+    tolerance: float
+    needed: int
+    until: float
+    errors: dict[str, float]
+
+
+@dataclass(frozen=True)
 class OfEngine:
     """The results of one engine.
 
@@ -131,6 +154,8 @@ class OfEngine:
         The distance of the finest run from the truth of a case and the bound of the truth's error, by quantities.
     shown
         The animation of the runs of a file as a record; None if there is none.
+    solver
+        What the settings of the engine's solver in the file cost; None if it has none, or it made no iteration.
     """
 
     engine: str
@@ -140,6 +165,7 @@ class OfEngine:
     rows: tuple[EstimateRow, ...]
     apart: dict[str, tuple[float, float]]
     shown: dict[str, Any] | None = None
+    solver: Solver | None = None
 
 
 @dataclass(frozen=True)
@@ -164,6 +190,8 @@ class Estimates:
         For each of several engines what its reader makes of the file other than the file says, in words.
     shown
         For engines with an animation of the runs, the animation as a record.
+    solvers
+        For engines with a solver that made iterations, what its settings in the file cost.
     """
 
     file: str
@@ -177,6 +205,7 @@ class Estimates:
     spread: dict[tuple[str, str], dict[str, tuple[float, float]]]
     causes: dict[str, str]
     shown: dict[str, dict[str, Any]]
+    solvers: dict[str, Solver]
 
 
 def joined(
@@ -195,6 +224,7 @@ def joined(
         spread={(one, other): differences for one, other, differences in spread},
         causes=causes,
         shown={one.engine: one.shown for one in engines if one.shown is not None},
+        solvers={one.engine: one.solver for one in engines if one.solver is not None},
     )
 
 

@@ -1,7 +1,7 @@
 """Run the scene of a file, or of a case, with several time steps in engines, and estimate the errors of the runs."""
 
 import math
-import time
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from bodycheck.adapters.contract import Engine, Method
+from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.file_motion import Controls, FileFacts, FileRun
 from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.adapters.robot_reading import RobotFile
@@ -19,7 +20,6 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES
 from bodycheck.figures.definition import Comparison
 from bodycheck.processes import pool
-from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 from bodycheck.results import resumption
@@ -32,7 +32,8 @@ from bodycheck.running.campaign import Advance
 from bodycheck.running.instants import default_timestep
 from bodycheck.running.refining import AskFile, Call, Ended, Motion, RunCase, RunFile
 from bodycheck.running.tasks import Question, answer
-from bodycheck.studies.estimate import factors, rating, showing
+from bodycheck.studies.estimate import factors, rating, showing, solver
+from bodycheck.studies.estimate.clock import Clock
 from bodycheck.studies.estimate.limits import Limit, Spread, between, causes_of, limit_of
 from bodycheck.studies.estimate.method import NoTime, Refined, Subject, refined, searched
 from bodycheck.studies.estimate.quantities import ANGLES, AT_END, NAMED, PLACES, SHORT, USUAL
@@ -45,13 +46,15 @@ from bodycheck.studies.estimate.rows import (
     EstimateRow,
     Estimates,
     OfEngine,
+    Solver,
     joined,
 )
 from bodycheck.studies.estimate.spellings import UnknownMethod, check
 from bodycheck.studies.timesteps import control_period
 from bodycheck.suggestion import did_you_mean
 
-#: The time (s) for all runs of a file in one engine, and that for its start before them: some engines compile code then.
+#: The processor time (s) for all runs of a file in one engine, and that for its start before them: some engines compile code
+#: then.
 TIME_BUDGET_S, START_S = 30.0, 120.0
 
 #: The duration (s) of the runs of a file, and the number of instants at which errors are compared.
@@ -90,6 +93,8 @@ class Asked:
         A digest of the contents of the files.
     path, packages
         The path of the file itself, and the folders in which its packages may be found; None for a case.
+    lines
+        The file and the line of the element that starts at a line of the copy.
     """
 
     name: str
@@ -107,6 +112,7 @@ class Asked:
     identity: str = ""
     path: Path | None = None
     packages: tuple[Path, ...] = ()
+    lines: Mapping[int, str] = field(default_factory=dict)
 
     @property
     def instants(self) -> Array:
@@ -130,39 +136,8 @@ def quantities_of(quantity: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return (name,), (name.removesuffix(AT_END),)
 
 
-@dataclass(eq=False)
-class _Clock:
-    """The time that is left for the runs of one engine, and the processes that make them."""
-
-    workers: "pool.Workers[Call, refining.Answer]"
-    end: float
-    runs: int = 0
-    spent: float = 0.0
-    per_step: dict[str, float] = field(default_factory=dict)
-
-    def ask(self, call: Call, steps: int, method: Method | None = None) -> refining.Answer:
-        """Return the answer to a call. Raises `NoTime` if the time is too short for the run."""
-        left = self.end - time.monotonic()
-        needed = self.per_step.get("" if method is None else method.name, 0.0) * steps
-        if needed > left or left <= 0:
-            raise NoTime(self.told)
-        self.workers.limit = max(1.0, left)
-        start = time.monotonic()
-        answer = self.workers.call(call)
-        taken = time.monotonic() - start
-        self.runs, self.spent = self.runs + 1, self.spent + taken
-        if isinstance(answer, TimedOut):
-            raise NoTime(self.told)
-        if isinstance(answer, Crashed):
-            return Ended(answer.status, answer.reason)
-        if isinstance(answer, Motion) and method is not None:
-            self.per_step[method.name] = min(self.per_step.get(method.name, math.inf), taken / max(1, answer.steps))
-        return answer
-
-    @property
-    def told(self) -> str:
-        """The number of runs that were made in the time, as a sentence without a full stop."""
-        return f"the time of {TIME_BUDGET_S:g} s is used up after {self.runs} runs"
+class Refused(BadInput):
+    """An engine refuses a file that it should be able to read; the text names the file and says what the engine said."""
 
 
 @contextmanager
@@ -180,7 +155,7 @@ def results(
     Raises
     ------
     BadInput
-        If the file has no such keyframe or actuator, or no engine has a method that is named.
+        If the file has no such keyframe or actuator, no engine has a method that is named, or no engine can read the file.
     BadJournal
         If another process is writing to the folder.
     """
@@ -189,13 +164,15 @@ def results(
     with resumption.opened(folder / RECORDS, head, *work, lost=lambda record: False, about=asdict(about)) as log:
         done = [typed(OfEngine, record["engine"]) for record in log.records if record["record"] == "engine"]
         limits: dict[str, Limit] = {}
-        unknown: dict[str, UnknownMethod] = {}
+        unknown: list[BadInput] = []
+        refused: list[OfEngine] = []
         for name, record in records.items():
             if name not in {one.engine for one in done}:
                 try:
                     of_engine, limit = _of_engine(asked, name, record)
-                except UnknownMethod as error:
-                    unknown[name] = error
+                except (UnknownMethod, Refused) as error:
+                    unknown.append(error)
+                    refused += [_without(asked, name, record, UNSUPPORTED, str(error))] if isinstance(error, Refused) else []
                     progress(name)
                     continue
                 log.add({"record": "engine", "engine": asdict(of_engine)})
@@ -203,7 +180,10 @@ def results(
                 limits |= {} if limit is None else {name: limit}
             progress(name)
         if unknown and not any(one.integrator for one in done):
-            raise next(iter(unknown.values()))
+            raise unknown[0]
+        for of_engine in refused:
+            log.add({"record": "engine", "engine": asdict(of_engine)})
+            done.append(of_engine)
         apart = [typed(Spread, record["spread"]) for record in log.records if record["record"] == "spread"]
         spread = (
             apart[0]
@@ -221,32 +201,36 @@ def results(
 
 def _of_engine(asked: Asked, name: str, record: Engine) -> tuple[OfEngine, Limit | None]:
     """Return the results of one engine, and its limit."""
-    with pool.Workers(refining.perform, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=1) as workers:
-        clock = _Clock(workers, time.monotonic() + START_S)
+    with pool.Workers(refining.timed, 1, TIME_BUDGET_S, group=refining.engine_of, home=engine_homes.home, kept=1) as workers:
+        clock = Clock(workers, START_S)
         facts = _facts(asked, name, record, clock)
         if isinstance(facts, Ended):
-            row = _nothing(asked, name, record, Method("", 0.0), *_verdict_of(facts))
-            return OfEngine(name, "", 0.0, "", (row,), {}), None
+            return _without(asked, name, record, *_verdict_of(facts)), None
         rows: list[EstimateRow] = []
         every: list[Refined] = []
-        end = time.monotonic() + TIME_BUDGET_S
+        strictly: Solver | None = None
+        clock.budget = TIME_BUDGET_S
+        end = clock.now + TIME_BUDGET_S
         for index, spelling in enumerate(facts.methods):
-            now = time.monotonic()
-            clock.end = now + (end - now) / (len(facts.methods) - index)
+            clock.end = clock.now + (end - clock.now) / (len(facts.methods) - index)
             method = Method.parse(spelling, 0.0).at(facts.method.timestep)
             of_method, known = _of_method(asked, name, record, clock, facts, method)
             rows += of_method
             every += [] if known is None else [known]
+            if index == 0 and known is not None:
+                strictly = solver.measured(_subject(asked, facts), known, facts.settings, partial(_made, asked, name, clock))
     finest = every[0].levels.levels[-1].motion if every and every[0].levels.levels else None
     kind = "" if finest is None else _kind(asked, facts, finest)
     apart = _from_truth(asked, finest)
     shown = None if asked.file is None else showing.animation(name, facts.method.timestep, every, asked.instants)
-    of_engine = OfEngine(name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart, showing.stored(shown))
+    of_engine = OfEngine(
+        name, facts.method.name, facts.method.timestep, kind, tuple(rows), apart, showing.stored(shown), strictly
+    )
     return of_engine, limit_of(asked.duration, every)
 
 
 def _of_method(
-    asked: Asked, name: str, record: Engine, clock: _Clock, facts: FileFacts, method: Method
+    asked: Asked, name: str, record: Engine, clock: Clock, facts: FileFacts, method: Method
 ) -> tuple[list[EstimateRow], Refined | None]:
     """Return the rows of one method, and its runs."""
     subject = _subject(asked, facts)
@@ -293,6 +277,21 @@ def _verdict_of(ended: Ended) -> tuple[str, str]:
     return (NO_TIME if ended.status == "timeout" else UNSUPPORTED), printable(ended.reason)
 
 
+def _refusal(asked: Asked, record: Engine, reason: str) -> Refused:
+    """Return the refusal of a file by an engine, with the line of the file in place of that of its copy."""
+    assert asked.file is not None
+    said = printable(reason).replace(Path(asked.file.path).name, asked.name)
+    where = asked.name
+    if (line := re.search(r",? \(?line (\d+)\)?", said)) and (source := asked.lines.get(int(line[1]))):
+        said, where = said[: line.start()] + said[line.end() :], source
+    return Refused(f"{where}: {in_words(record.name, record.version)} cannot read the file: {said}")
+
+
+def _without(asked: Asked, name: str, record: Engine, verdict: str, reason: str) -> OfEngine:
+    """Return the results of an engine that cannot run the scene at all."""
+    return OfEngine(name, "", 0.0, "", (_nothing(asked, name, record, Method("", 0.0), verdict, reason),), {})
+
+
 def _nothing(asked: Asked, name: str, record: Engine, method: Method, verdict: str, reason: str) -> EstimateRow:
     """Return the row of a method that was not run."""
     none = (None, None, None, None)
@@ -306,7 +305,7 @@ def _nothing(asked: Asked, name: str, record: Engine, method: Method, verdict: s
     )
 
 
-def _made(asked: Asked, name: str, clock: _Clock, method: Method, times: Array, nudged: bool) -> Motion | Ended:
+def _made(asked: Asked, name: str, clock: Clock, method: Method, times: Array, nudged: bool) -> Motion | Ended:
     """Make a run in an engine. Raises `NoTime`."""
     call: Call
     if asked.case is not None:
@@ -319,7 +318,7 @@ def _made(asked: Asked, name: str, clock: _Clock, method: Method, times: Array, 
     return answer
 
 
-def _facts(asked: Asked, name: str, record: Engine, clock: _Clock) -> FileFacts | Ended:
+def _facts(asked: Asked, name: str, record: Engine, clock: Clock) -> FileFacts | Ended:
     """Return the contents of a file, or of a case, on which its runs depend. Raises `BadInput`."""
     if asked.case is not None:
         return _facts_of_case(asked.case, record, asked.integrators)
@@ -327,6 +326,8 @@ def _facts(asked: Asked, name: str, record: Engine, clock: _Clock) -> FileFacts 
     facts = clock.ask(AskFile(name, asked.file), 0)
     if not isinstance(facts, FileFacts):
         assert isinstance(facts, Ended)
+        if facts.status == "refused":
+            raise _refusal(asked, record, facts.reason)
         return facts
     if asked.keyframe and asked.keyframe not in facts.keyframes:
         raise BadInput(f"--keyframe {asked.keyframe!r}: {asked.name} has: {_listed(facts.keyframes)}")

@@ -17,6 +17,7 @@ from bodycheck.studies.estimate.rows import (
     Choice,
     EstimateRow,
     Estimates,
+    Solver,
     choices,
 )
 
@@ -32,8 +33,8 @@ def headline(results: Estimates) -> str:
     """Return the sentence that says what the numbers are: estimates, of the engine's own limit."""
     engines = listing([name.split("@")[0] for name in results.present]) or "no engine"
     return (
-        f"{results.file}, {number(results.duration)} s: the errors are estimates, of the own limit of {engines} as h → 0; what "
-        "the model itself is worth is not asked."
+        f"{results.file}, {number(results.duration)} s: the errors are estimates, of the own limit of {engines} as h → 0, "
+        "which is the motion with ever smaller time steps h; what the model itself is worth is not asked."
     )
 
 
@@ -46,6 +47,7 @@ def sentences(results: Estimates) -> Iterator[str]:
             yield f"{in_words(engine, rows[0].version)}: {rows[0].reason}."
             continue
         yield own_step(results, rows, integrator, timestep)
+        yield from solver(results, rows, results.solvers.get(engine))
         yield cheapest(results, [one for one in chosen if one.engine == engine], rows[0], timestep)
         yield from breaks(rows)
         yield coverage(results.kinds[engine])
@@ -66,7 +68,7 @@ def own_step(results: Estimates, rows: Sequence[EstimateRow], integrator: str, t
         return f"{step}, was not run."
     known = [row for row in present if row.verdict == ESTIMATE and row.estimate is not None]
     if known:
-        return f"{step}, costs {listing([_error(row) for row in known])} over {number(results.duration)} s."
+        return f"{step}, costs {listing([_error(row) for row in known])} over {number(results.duration)} s.{_rest(present)}"
     row = next((row for row in present if row.quantity in results.compared), present[0])
     if row.verdict.startswith(CHAOTIC):
         until = "" if row.estimate is None else f"; until {number(row.horizon)} s it costs {_error(row)}"
@@ -75,6 +77,37 @@ def own_step(results: Estimates, rows: Sequence[EstimateRow], integrator: str, t
         return f"{step}, does not complete: {row.reason}."
     until = "" if row.horizon is None else f", but until {number(row.horizon)} s it is asymptotic"
     return f"{step}: its error {WITHOUT.get(row.verdict, 'is not known')}{until}: {row.reason}."
+
+
+def _rest(present: Sequence[EstimateRow]) -> str:
+    """Return a sentence on the quantities of a step without an estimate, with a space before it; empty if all have one."""
+    rest = [row for row in present if row.verdict == NOT_ASYMPTOTIC]
+    if not rest:
+        return ""
+    names = listing([QUANTITIES[row.quantity].title.lower() for row in rest])
+    return f" It has no estimate of {names}: {rest[0].reason}."
+
+
+def solver(results: Estimates, rows: Sequence[EstimateRow], cost: Solver | None) -> Iterator[str]:
+    """Yield a sentence on what the settings of the solver in the file cost beside the present step."""
+    if cost is None or not cost.errors:
+        return
+    integrator, timestep = results.present[rows[0].engine]
+    costs = {row.quantity: row.estimate for row in rows if (row.integrator, row.timestep) == (integrator, timestep)}
+    name, error = max(cost.errors.items(), key=lambda entry: entry[1])
+    named, of_step = QUANTITIES[name], costs.get(name)
+    settings = f"The settings of the solver ({cost.iterations} iterations, tolerance {cost.tolerance:g})"
+    if error == 0:
+        yield f"{settings} cost nothing: a stricter solver makes no difference."
+        return
+    size = " ".join(filter(None, (number(error, 2), named.unit, f"of {named.title.lower()}")))
+    until = "" if cost.until >= results.duration else f" until {number(cost.until)} s"
+    stopped = "; some steps end at this number of iterations" if cost.needed >= cost.iterations else ""
+    compared = ""
+    if of_step:
+        more = error > of_step
+        compared = ", more than the step: change them before the step" if more else ", less than the step: they need no change"
+    yield f"{settings} cost {size}{until}{compared}{stopped}."
 
 
 def _error(row: EstimateRow) -> str:
@@ -88,7 +121,7 @@ def cheapest(results: Estimates, chosen: Sequence[Choice], row: EstimateRow, pre
     """Return a sentence on the cheapest method and step of an engine that keep the allowed error."""
     allowed = number(results.error)
     if not chosen:
-        return f"No step of {row.engine} that was tried keeps {allowed}."
+        return f"No step of {row.engine} that was tried is known to keep {allowed} in {_compared(results)}."
     best, *others = chosen
     speed = f"{number(1 / best.cost, 2)} times as fast as real time" if best.cost < 1 else "slower than real time"
     ratio = best.timestep / present
@@ -98,6 +131,12 @@ def cheapest(results: Estimates, chosen: Sequence[Choice], row: EstimateRow, pre
         f"To keep {allowed}, the cheapest is {_method(best)}, {steps}: at most {number(best.high, 3)}, at "
         f"{number(best.cost, 2)} s of computing per second, {speed}.{second}"
     )
+
+
+def _compared(results: Estimates) -> str:
+    """Return the quantities that are compared with the allowed error and that the scene has, in words."""
+    names = dict.fromkeys(row.quantity for row in results.rows if row.quantity in results.compared)
+    return listing([QUANTITIES[name].title.lower() for name in names]) or "any quantity"
 
 
 def _method(choice: Choice) -> str:
@@ -126,7 +165,7 @@ def coverage(kind: str) -> str:
         return ""
     if not known.sample:
         return f"How often the intervals of this class ({kind}) are right is not measured yet."
-    return f"An interval of this class ({kind}) {known.told}, in {known.engine}."
+    return f"Such an interval (class of scenes: {kind}) {known.told}, measured in {known.engine}."
 
 
 def apart(results: Estimates, engine: str) -> Iterator[str]:

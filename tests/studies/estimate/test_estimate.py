@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -15,7 +16,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.adapters.file_motion import FileFacts
 from bodycheck.errors import BadInput
 from bodycheck.running.refining import Ended
-from bodycheck.studies.estimate import factors, rating
+from bodycheck.studies.estimate import factors, rating, wording
 from bodycheck.studies.estimate.calibration import SEED_OF_FACTORS
 from bodycheck.studies.estimate.interface import EstimateResults
 from bodycheck.studies.estimate.levels import Levels
@@ -129,7 +130,7 @@ def test_the_table_has_the_columns_in_their_order(tmp_path: Path) -> None:
     assert text.splitlines()[0] == COLUMNS
     assert (out / "report.html").is_file()
     read = list(csv.DictReader(text.splitlines()))
-    assert {row["file"] for row in read} == {"pendulum.xml"}
+    assert {row["file"] for row in read} == {f"{tmp_path.name}/pendulum.xml"}  # files of robots often have the same name
     own = next(row for row in results.rows if row.timestep == 0.004 and row.quantity == "joint_position_error")
     assert own.verdict == ESTIMATE
     assert own.estimate is not None
@@ -154,7 +155,7 @@ def test_the_first_keyframe_is_the_start_and_controls_act(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"keyframe": "lowered"}, "--keyframe 'lowered': pendulum.xml has: raised"),
+        ({"keyframe": "lowered"}, "/pendulum.xml has: raised"),
         ({"quantity": "attitud"}, "--quantity 'attitud': is not estimated"),
         ({"error": 0.0}, "--error 0: must be positive and finite"),
         ({"duration": -1.0}, "--duration -1: must be positive"),
@@ -195,7 +196,7 @@ def test_methods_of_a_file_are_those_of_its_engine(spelling: str, text: str) -> 
 def test_a_method_that_the_engine_of_a_file_lacks_is_bad_input(tmp_path: Path) -> None:
     path = tmp_path / "pendulum.xml"
     path.write_text(PENDULUM)
-    with pytest.raises(BadInput, match=re.escape("--integrator 'RK5': mujoco has for pendulum.xml: RK4, Euler")):
+    with pytest.raises(BadInput, match=r"--integrator 'RK5': mujoco has for .*/pendulum\.xml: RK4, Euler"):
         bodycheck.estimate(path, engine="mujoco", integrator="RK5")
 
 
@@ -238,8 +239,19 @@ def test_controls_name_actuators_of_the_file(tmp_path: Path) -> None:
     path, controls = tmp_path / "pendulum.xml", tmp_path / "controls.csv"
     path.write_text(PENDULUM)
     controls.write_text("t,pull\n0,0\n")
-    with pytest.raises(BadInput, match=r"there is no actuator 'pull' in pendulum\.xml; there are: push"):
+    with pytest.raises(BadInput, match=r"there is no actuator 'pull' in .*/pendulum\.xml; there are: push"):
         bodycheck.estimate(path, engine="mujoco", controls=controls)
+
+
+def test_a_file_that_the_engine_refuses_is_bad_input_with_the_line_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "part.xml").write_text("<mujocoinclude>\n\n<wheel/></mujocoinclude>")
+    path = tmp_path / "robot.xml"
+    path.write_text('<mujoco><worldbody><include file="part.xml"/></worldbody></mujoco>')
+    with pytest.raises(BadInput, match=r"part\.xml:3: mujoco \S+ cannot read the file: .*unrecognized element .*'wheel'$"):
+        bodycheck.estimate(path, engine="mujoco")
+    path.write_text("<mujoco><worldbody>\n<body><freejoint/></body></worldbody></mujoco>")
+    with pytest.raises(BadInput, match=r"robot\.xml:2: mujoco \S+ cannot read the file: .*mass and inertia"):
+        bodycheck.estimate(path, engine="mujoco")
 
 
 def test_files_outside_the_folder_and_plugins_are_refused(tmp_path: Path) -> None:
@@ -302,3 +314,28 @@ def test_the_report_of_a_file_shows_its_motion_beside_the_finest_run(tmp_path: P
     assert own.low <= data["runs"][0]["attitude_error"] <= own.high
     assert len(data["truth"]["parts"]) == len(data["bodies"]) == 1
     assert 'class="player"' in (out / "report.html").read_text("utf-8")
+
+
+def test_the_error_of_a_solver_that_stops_early_is_told_beside_that_of_the_step(tmp_path: Path) -> None:
+    file = tmp_path / "boxes.xml"
+    boxes = "".join(
+        f'<body pos="0 0 {0.1 + 0.2 * place}"><freejoint/><geom type="box" size=".1 .1 .1"/></body>' for place in (0, 1)
+    )
+    option = '<option solver="PGS" iterations="2"/>'
+    file.write_text(f'<mujoco>{option}<worldbody><geom type="plane" size="1 1 1"/>{boxes}</worldbody></mujoco>')
+    estimates = bodycheck.estimate(file, engine="mujoco", integrator="Euler", duration=0.05).estimates
+    cost = estimates.solvers["mujoco"]
+    assert (cost.iterations, cost.needed) == (2, 2)
+
+    def heights(iterations: int, tolerance: float) -> list[float]:
+        model = mujoco.MjModel.from_xml_path(str(file))
+        model.opt.iterations, model.opt.tolerance = iterations, tolerance
+        data = mujoco.MjData(model)
+        mujoco.mj_step(model, data, 25)
+        return data.xipos[1:].ravel().tolist()
+
+    apart = np.subtract(heights(2, 1e-8), heights(20, 1e-15)).reshape(2, 3)
+    assert cost.errors["position_error"] >= 0.9 * np.linalg.norm(apart, axis=1).max() > 1e-6
+    (sentence,) = [one for one in wording.sentences(estimates) if one.startswith("The settings of the solver")]
+    assert "(2 iterations, tolerance 1e-08) cost" in sentence
+    assert sentence.endswith("some steps end at this number of iterations.")

@@ -128,3 +128,19 @@ def test_differences_that_fall_after_they_have_risen_are_due_to_rounding() -> No
         ends = refinement.interval(seen, apart, count, level, rounding, 1.25)
         assert ends is not None
         assert ends.low <= error <= ends.high, level
+
+
+@given(
+    error=st.floats(1e-6, 1.0),
+    shares=st.lists(st.floats(-1, 1), min_size=LEVELS, max_size=LEVELS),
+    order=st.integers(1, 4),
+)
+def test_an_error_at_the_end_within_the_largest_over_time_is_contained(error: float, shares: list[float], order: int) -> None:
+    """The error of each level at the end is any part of its largest over time, also zero, with either sign."""
+    largest = [error * 2.0 ** (order * (LEVELS - 1 - level)) for level in range(LEVELS)]
+    ends = [size * share for size, share in zip(largest, shares, strict=True)]
+    known = Reference(LEVELS - 1, error, float(order), borrowed=True)
+    for level, end in enumerate(ends):
+        interval = refinement.interval(known, differences(ends), LEVELS, level, NUDGE, 1.25)
+        assert interval is not None
+        assert interval.low <= abs(end) <= interval.high
