@@ -51,7 +51,7 @@ def cheapest(costs: Costs) -> Sentence:
             *(where, Piece(f". {_engine(best)} is closest, with "), _error(best, unit), Piece(f"; it takes {_time(best)}.")),
         )
     once = sum(not one.repeated for one in costs.standings)
-    few = f" {count(once, 'of the engines was', 'of the engines were')} measured at one or two steps only." if once else ""
+    few = f" {count(once, 'of the engines was', 'of the engines were')} measured at one or two time steps only." if once else ""
     return (
         Piece(f"Of {len(runs)} methods of {count(len(costs.standings), 'engine')} in "),
         *(where, Piece(", "), Piece(chosen.run.engine, links.engine(chosen.run.engine))),
@@ -79,12 +79,14 @@ def defaults(costs: Costs) -> Sentence | None:
     if repairable:
         gain = max(repairable, key=lambda one: one.gain)
         named = listing([one.engine for one in repairable], MOST_NAMED, "engine")
-        has = "has a method" if len(repairable) == 1 else "have methods"
+        has = "has another method" if len(repairable) == 1 else "have other methods"
+        stays = "stays" if len(repairable) == 1 else "stay"
         pieces += [
-            Piece(f". {named} {has} within it that cost no more: instead of {method(gain.usual.run)}, which is off by "),
-            _error(gain.usual, unit),
-            Piece(f", {gain.engine} has {method(gain.best.run)}, which is off by "),
+            Piece(f". {named} {has} that {stays} within it at the same cost or less: "),
+            Piece(f"{gain.engine} with {method(gain.best.run)} is off by "),
             _error(gain.best, unit),
+            Piece(f", where {method(gain.usual.run)} is off by "),
+            _error(gain.usual, unit),
         ]
     return (*pieces, Piece("."))
 

@@ -114,7 +114,7 @@ class Choice:
         """The choice as a sentence."""
         unit = self.kind.figure.unit
         limit, most = f"{number(ENOUGH)} {unit}", f"at most {bound(self.chosen.error, 2)} {unit}"
-        cost = "" if self.chosen.cost is None else f" A second of motion takes {number(self.chosen.cost, 2)} s."
+        cost = "" if self.chosen.cost is None else f" A second of motion costs {number(self.chosen.cost, 2)} s of computing."
         where = f"in all {self.compared} cases" if self.compared > 1 else "in the only case"
         if self.compared < self.cases:
             where = f"in the {count(self.compared, 'case')} of {self.cases} that most methods complete"

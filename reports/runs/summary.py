@@ -139,7 +139,10 @@ def failure_status(verdict: Verdict) -> str:
 
 
 def broken(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> Finding | None:
-    """Return a finding with the number of failed runs, and how and why the first of them failed; None if no run failed."""
+    """Return a finding with the number of failed runs, and how and why the first of them failed; None if no run failed.
+
+    Of several reasons the first is given: the table of failed runs has them all.
+    """
     failed = [verdict for verdict in verdicts if verdict.passed is False]
     if not failed:
         return None
@@ -148,7 +151,8 @@ def broken(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> Finding
     start = f"{label} failed in "
     if len(failed) > 1:
         start = f"{count(len(failed), 'run')} failed in {count(cases, 'case')}. The first is {label} in "
-    return Finding("Failed", start, first.run.case, f" ({status})" + (f": {first.reason}." if first.reason else "."))
+    reason = first.reason.partition(";")[0]
+    return Finding("Failed", start, first.run.case, f" ({status})" + (f": {reason}." if reason else "."))
 
 
 def _tolerated(verdict: Verdict) -> bool:

@@ -67,9 +67,15 @@ def _specification(choice: Choice, options: Mapping[Option, float]) -> Spec:
     text["align"] = _align([row["cost"] for row in rows], next(row["cost"] for row in rows if row["chosen"]))
     layers: list[Spec] = [
         {
-            "data": {"values": [{"error": ENOUGH}]},
+            "data": {"values": [{"error": ENOUGH, "text": f"{number(ENOUGH)} {choice.kind.figure.unit}: accurate enough"}]},
             "encoding": {"y": {"field": "error", "type": "quantitative"}},
-            "layer": [{"mark": {"type": "rule", "strokeDash": [4, 4], "color": INK, "opacity": 0.6, "aria": False}}],
+            "layer": [
+                {"mark": {"type": "rule", "strokeDash": [4, 4], "color": INK, "opacity": 0.6, "aria": False}},
+                {
+                    "mark": {"type": "text", "x": 4, "dy": -7, "align": "left", "color": INK, "aria": False},
+                    "encoding": {"text": {"field": "text"}},
+                },
+            ],
         },
         {
             "data": {"values": rows},
