@@ -43,7 +43,7 @@ def _specification(choice: Choice, options: Mapping[Option, float]) -> Spec:
         "field": "error",
         "type": "quantitative",
         "title": choice.kind.figure.label,
-        "scale": scale,
+        "scale": scale | {"padding": 28},  # room for a name below the lowest point
         "axis": log_axis("y"),
     }
     hues: dict[str, str] = {}
@@ -63,7 +63,9 @@ def _specification(choice: Choice, options: Mapping[Option, float]) -> Spec:
         {"field": "cost", "title": "s per second of motion", "format": ".2~g"},
     ]
     marked = {"filter": "datum.chosen"}
-    text = {"type": "text", "dy": -14, "fontSize": 12, "fontWeight": "bold", "color": INK, "aria": False}
+    text = {"type": "text", "fontSize": 12, "fontWeight": "bold", "color": INK, "aria": False}
+    # The limit and its words are above a method that is accurate enough, whose name therefore stands below its point.
+    text |= {"baseline": "top", "dy": 12} if choice.chosen.error <= ENOUGH else {"dy": -14}
     text["align"] = _align([row["cost"] for row in rows], next(row["cost"] for row in rows if row["chosen"]))
     layers: list[Spec] = [
         {
