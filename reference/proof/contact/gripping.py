@@ -1,9 +1,9 @@
 """A brick between two fingers on the world, in balls: it is held, or falls along them from rest.
 
 The fingers slide on level joints along an axis of the world and press the brick with constant and equal forces N at the same
-height, beside its centre of mass, so that friction bears at most 2 mu N without a moment. The brick is held for m g <= 2 mu N,
-which rational numbers decide, ties included; else it falls with g - 2 mu N/m until a contact leaves a face. Where faces touch,
-two planes of symmetry through the line of the fall leave no moment, however the force is distributed.
+height, on the vertical line through its centre of mass, so that friction bears at most 2 mu N without a moment. The brick is
+held for m g <= 2 mu N, which rational numbers decide, ties included; else it falls with g - 2 mu N/m until a contact leaves a
+face. Where faces touch, two planes of symmetry through the line of the fall leave no moment, however the force is distributed.
 """
 
 import math
@@ -20,13 +20,15 @@ from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Shown
 from bodycheck.reference.scene import Brick, Solid, Sphere
 
 #: Why there is no proof of other bodies on joints that touch.
-OTHERS = "fingers, except two on the world that press a brick at rest with constant forces beside its centre of mass"
+OTHERS = "bodies on joints that touch, except two fingers on the world that press a brick at rest"
 
 
 def gripped(scene: Mechanism) -> Motion:
     """Return the motion of a brick between two fingers. Raises `NotEnclosed` for any other bodies on joints that touch."""
     free = [index for index, joint in enumerate(scene.joint_of) if joint is None]
     alone = scene.plane is None and not scene.pushes and not scene.loops
+    if len(scene.joints) > 2:
+        raise NotEnclosed("fingers on a carriage, or more than two")
     if not alone or len(free) != 1 or len(scene.joints) != 2 or len(scene.contacts) != 2:
         raise NotEnclosed(OTHERS)
     body = scene.bodies[free[0]]
@@ -79,10 +81,10 @@ def _press(scene: Mechanism, index: int, body: JointedBody) -> tuple[Fraction, F
         joint.name, "prismatic", WORLD, joint.child, joint.position, axis=joint.axis, start=(0.0,), start_velocity=(0.0,)
     )
     along = [axis for axis in range(3) if joint.axis[axis]]
-    if joint != plain or len(along) != 1 or along == [2] or len(laws) != 1 or not isinstance(laws[0].effort, float):
+    if joint != plain or len(along) != 1 or along == [2] or len(laws) != 1 or not isinstance(shape, Brick) or start is None:
         raise NotEnclosed(OTHERS)
-    if laws[0] != Controller(index, "effort", effort=laws[0].effort) or not isinstance(shape, Brick) or start is None:
-        raise NotEnclosed(OTHERS)
+    if not isinstance(laws[0].effort, float) or laws[0] != Controller(index, "effort", effort=laws[0].effort):
+        raise NotEnclosed("fingers whose forces change")
     apart = [Fraction(a) - Fraction(b) for a, b in zip(start.position, joint.position, strict=True)]
     halves = [Fraction(half) for half in shape.semi_axes]
     if isinstance(finger, Sphere):
@@ -94,7 +96,9 @@ def _press(scene: Mechanism, index: int, body: JointedBody) -> tuple[Fraction, F
     normal, (side,) = along[0], (axis for axis in (0, 1) if axis != along[0])
     force = Fraction(laws[0].effort) * (1 if joint.axis[normal] > 0 else -1)
     touches = abs(ball(abs(apart[normal]) - thickness - halves[normal])) <= NONE * ball(halves[normal])
-    beside = ball(abs(apart[side])) <= NONE * ball(halves[side])
-    if not touches or not beside or not force * apart[normal] > 0 or not abs(apart[2]) < overlap:
+    below = ball(abs(apart[side])) <= NONE * ball(halves[side])
+    if not below:
+        raise NotEnclosed("fingers that press a body aside of the vertical line through its centre of mass")
+    if not touches or not force * apart[normal] > 0 or not abs(apart[2]) < overlap:
         raise NotEnclosed(OTHERS)
     return force, overlap + apart[2]

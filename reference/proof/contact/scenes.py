@@ -32,8 +32,10 @@ def touching(scene: AnyScene) -> Motion:
         raise NotEnclosed("rolling friction of several bodies")
     if len(bodies) == 2 and all(radius_of(body.shape) is not None for body in bodies) and not scene.pushes:
         return _two(scene, bodies, plane)
-    if scene.plane is None or scene.pushes:
-        raise NotEnclosed("several bodies that touch")
+    if scene.pushes:
+        raise NotEnclosed("pushes on several bodies that touch")
+    if scene.plane is None:
+        raise NotEnclosed("several bodies that touch without a plane")
     standing.check(bodies, lambda one, other: _law(scene, one, other), plane)
     return Motion(CLOSED_FORM, lambda _: Shown([], [], [body.world for body in bodies]), changes=lambda _: [])
 

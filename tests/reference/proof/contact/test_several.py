@@ -138,5 +138,5 @@ def test_a_truth_of_another_grip_is_contradicted() -> None:
 def test_fingers_that_press_beside_the_line_of_the_weight_have_no_proof() -> None:
     scene = load("gripped-block-turns").scene
     assert isinstance(scene, Mechanism)
-    with proving.precision(128), pytest.raises(NotEnclosed, match="beside its centre of mass"):
+    with proving.precision(128), pytest.raises(NotEnclosed, match="aside of the vertical line"):
         proving.touching(scene)
