@@ -9,7 +9,7 @@ from flint import arb
 
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
 from bodycheck.reference.proof.balls import UNIT, applied, ball, size_of, transposed
-from bodycheck.reference.proof.contact import braking, colliding, lying, resisting, rolling, standing
+from bodycheck.reference.proof.contact import braking, colliding, gripping, lying, resisting, rolling, standing
 from bodycheck.reference.proof.contact.start import NONE, Placed, Surroundings, placed, radius_of, surroundings
 from bodycheck.reference.proof.enclosure import NotEnclosed
 from bodycheck.reference.proof.motions import CLOSED_FORM, Motion, Piece, Shown, course
@@ -21,6 +21,8 @@ def touching(scene: AnyScene) -> Motion:
 
     Raises `NotEnclosed` if there is no proof of it.
     """
+    if isinstance(scene, Mechanism) and scene.joints:
+        return gripping.gripped(scene)
     plane = surroundings(scene)
     bodies = placed(scene, plane)
     if len(bodies) == 1:
@@ -30,8 +32,10 @@ def touching(scene: AnyScene) -> Motion:
         raise NotEnclosed("rolling friction of several bodies")
     if len(bodies) == 2 and all(radius_of(body.shape) is not None for body in bodies) and not scene.pushes:
         return _two(scene, bodies, plane)
-    if scene.plane is None or scene.pushes:
-        raise NotEnclosed("several bodies that touch")
+    if scene.pushes:
+        raise NotEnclosed("pushes on several bodies that touch")
+    if scene.plane is None:
+        raise NotEnclosed("several bodies that touch without a plane")
     standing.check(bodies, lambda one, other: _law(scene, one, other), plane)
     return Motion(CLOSED_FORM, lambda _: Shown([], [], [body.world for body in bodies]), changes=lambda _: [])
 

@@ -99,8 +99,7 @@ def _read(scene: AnyScene) -> list[_Read]:
 
 def _of_mechanism(scene: Mechanism, index: int) -> _Read:
     body = scene.bodies[index]
-    if body.start is None:
-        raise NotEnclosed("bodies on joints that touch")
+    assert body.start is not None  # it is free
     start = body.start
     begun = (start.position, attitude(start.attitude), start.velocity, angular_velocity(start.attitude, start.rotation))
     return (mass_of(body), inertia(body.inertia), shape_of(body), *begun)

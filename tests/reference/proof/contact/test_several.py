@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from bodycheck.reference.proof.enclosure import NotEnclosed
 #: The shipped cases of several bodies that are enclosed.
 SHIPPED = (
     *("spheres-head-on", "spheres-oblique-sliding", "spheres-oblique-sticking", "spheres-spinning", "ball-hits-ball-on-plane"),
-    *("stack-of-ten", "stack-mass-ratio"),
+    *("stack-of-ten", "stack-mass-ratio", "gripped-block-holds", "gripped-block-falls"),
 )
 
 
@@ -112,3 +113,30 @@ def test_a_tower_rests_only_if_every_face_bears_what_is_above_it(scene: Callable
             return
         with pytest.raises(NotEnclosed, match=reason):
             proving.touching(scene())
+
+
+@pytest.mark.parametrize(("friction", "falls"), [(0.5, False), (math.nextafter(0.5, 1), False), (math.nextafter(0.5, 0), True)])
+def test_fingers_hold_a_brick_whose_weight_equals_their_friction(friction: float, falls: bool) -> None:
+    """Two fingers with 8 N and a coefficient of 1/2 bear 8 N, the weight of 1 kg with 8 m/s^2."""
+    scene = load("gripped-block-falls").scene
+    assert isinstance(scene, Mechanism)
+    laws = tuple(replace(law, friction=friction) for law in scene.contacts)
+    with proving.precision(128):
+        states = proving.touching(replace(scene, gravity=8.0, contacts=laws)).states(Fraction(1, 4))
+    fallen = -float(states.bodies[0][0][2].mid())
+    assert fallen == (16 * 2.0**-54 / 32 if falls else 0)
+
+
+def test_a_truth_of_another_grip_is_contradicted() -> None:
+    case = load("gripped-block-falls")
+    assert isinstance(case.scene, Mechanism)
+    laws = tuple(replace(law, friction=law.friction * (1 + 1e-12)) for law in case.scene.contacts)
+    wrong = replace(case.scene, contacts=laws)
+    assert any("is smaller than the proved distance" in each for each in faults_of(case.scene, wrong, case.duration))
+
+
+def test_fingers_that_press_beside_the_line_of_the_weight_have_no_proof() -> None:
+    scene = load("gripped-block-turns").scene
+    assert isinstance(scene, Mechanism)
+    with proving.precision(128), pytest.raises(NotEnclosed, match="aside of the vertical line"):
+        proving.touching(scene)
