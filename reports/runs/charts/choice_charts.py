@@ -68,17 +68,7 @@ def _specification(choice: Choice, options: Mapping[Option, float]) -> Spec:
     text |= {"baseline": "top", "dy": 12} if choice.chosen.error <= ENOUGH else {"dy": -14}
     text["align"] = _align([row["cost"] for row in rows], next(row["cost"] for row in rows if row["chosen"]))
     layers: list[Spec] = [
-        {
-            "data": {"values": [{"error": ENOUGH, "text": f"{number(ENOUGH)} {choice.kind.figure.unit}: accurate enough"}]},
-            "encoding": {"y": {"field": "error", "type": "quantitative"}},
-            "layer": [
-                {"mark": {"type": "rule", "strokeDash": [4, 4], "color": INK, "opacity": 0.6, "aria": False}},
-                {
-                    "mark": {"type": "text", "x": 4, "dy": -7, "align": "left", "color": INK, "aria": False},
-                    "encoding": {"text": {"field": "text"}},
-                },
-            ],
-        },
+        _limit(choice.kind.figure.unit),
         {
             "data": {"values": rows},
             "encoding": {"x": x, "y": y},
@@ -93,6 +83,21 @@ def _specification(choice: Choice, options: Mapping[Option, float]) -> Spec:
         },
     ]
     return framed(layers, height=260)
+
+
+def _limit(unit: str) -> Spec:
+    """Return the layer with the line of the error (unit) that is accurate enough, and what it means in words."""
+    return {
+        "data": {"values": [{"error": ENOUGH, "text": f"{number(ENOUGH)} {unit}: accurate enough"}]},
+        "encoding": {"y": {"field": "error", "type": "quantitative"}},
+        "layer": [
+            {"mark": {"type": "rule", "strokeDash": [4, 4], "color": INK, "opacity": 0.6, "aria": False}},
+            {
+                "mark": {"type": "text", "x": 4, "dy": -7, "align": "left", "color": INK, "aria": False},
+                "encoding": {"text": {"field": "text"}},
+            },
+        ],
+    }
 
 
 def _align(costs: Sequence[float], chosen: float) -> str:
