@@ -47,9 +47,9 @@ MOST_PIECES = 40
 FEWEST_ROUNDINGS = 8.0
 
 #: The factor by which the measured number of roundings may be too small: rounding in the two types differs, and growth is
-#: measured in a few directions only. Twice the largest that a proof has shown, which is 15.3 in `gyroscope-near-lock`; no other
-#: of the trees that were measured needs more than 1 (`python benchmarks/loose_bounds.py --roundings --limit 5`).
-CAUTION = 32.0
+#: measured in a few directions only. The largest that a proof has shown is 15.3, in `gyroscope-near-lock`; no other tree that
+#: was measured needs more than 1 (`python benchmarks/loose_bounds.py --roundings --limit 5`).
+CAUTION = 16.0
 
 #: The factor of growth over which the number of roundings is measured together: a single difference may be small by chance.
 #: By the same measurement, the factor 15.3 above is 25.2 if each instant is taken alone, 15.3 for 10, and 12.6 for 1000.
