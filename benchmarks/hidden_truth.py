@@ -174,7 +174,7 @@ def chaotic(name: str, duration: float) -> tuple[list[str], bool]:
 def main() -> int:
     """Print the tables, and return the exit status."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*", metavar="CASE")
+    parser.add_argument("cases", nargs="*", metavar="CASE", choices=[*WITH_TRUTH, *WITH_LIMIT, *CHAOS, []])
     names = parser.parse_args().cases
     right = True
     print(HEAD, "| --- | --- | ---: | ---: | ---: | --- |", sep="\n", flush=True)

@@ -123,9 +123,10 @@ def run(steps: Sequence[Step], folder: Path) -> bool:
 
 def main() -> None:
     known, asked = jobs(ROOT), sys.argv[1:]
-    chosen = [name for name in known if any(name == one or name.startswith(f"{one}.") for one in asked)]
-    if asked and not chosen:
-        sys.exit(f"read {' '.join(asked)}; allowed: {', '.join(known)}")
+    named = {one: [name for name in known if name == one or name.startswith(f"{one}.")] for one in asked}
+    if missing := [one for one, names in named.items() if not names]:
+        sys.exit(f"read {' '.join(missing)}; allowed: {', '.join(known)}")
+    chosen = [name for name in known if any(name in names for names in named.values())]
     if not asked:
         for step in (step for steps in known.values() for step in steps):
             print(f"{step.place}: {step.left_out or step.script.strip().splitlines()[0]}")
